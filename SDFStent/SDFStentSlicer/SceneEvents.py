@@ -111,8 +111,10 @@ class SceneEvents:
 
     @calldata_type(VTK_OBJECT)
     def onNodeRemoved(self, caller, event, node):
+        if node is not self._lastSet:  # such as a mark of a lesion, which goes with the plan shown
+            return
         leavings, self._leavings = self._leavings, None
-        if node is self._lastSet and not (caller.IsClosing() or caller.IsImporting()):
+        if not (caller.IsClosing() or caller.IsImporting()):
             if leavings is not None:
                 self.logic.removeLeavings(leavings)
             self.onSceneReady()

@@ -12,7 +12,7 @@ def theThroat():
 
 def settle(host, panel):
     """Let a panel run until nothing is under way or about to start."""
-    host.processUntil(lambda: not panel.session.isBusy)
+    host.processUntil(lambda: not (panel.session.isBusy or panel.lesions.isBusy))
 
 
 def planned(panel):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from panel_helpers import deploy, offered, pointsOf, saveAsFile, theThroat
+from panel_helpers import deploy, offered, pointsOf, saveAsFile, settle, theThroat
 
 
 @pytest.fixture
@@ -195,11 +195,13 @@ def test_a_plan_that_is_deleted_elsewhere_leaves_the_table(host, aPlan, aScene):
     """As by the selector on top of the panel, and takes its results and handles with it."""
     first = aPlan._parameterNode
     deploy(host, aPlan)
+    settle(host, aPlan)
     count = aScene.GetNumberOfNodes()
     host.click(aPlan.ui.duplicatePlanButton)
     deploy(host, aPlan)
     aScene.RemoveNode(aPlan._parameterNode.parameterNode)
     host.process()
+    settle(host, aPlan)
     assert aPlan._parameterNode is first
     assert names(aPlan) == ["Plan 1"]
     assert isSeen(first.outputVessel)
