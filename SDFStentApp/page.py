@@ -52,6 +52,13 @@ def at_hand_of(widget: Any) -> dict[str, Any]:
     return {"lines": shown.text.split("\n") if shown.text else [], "kind": shown.kind}
 
 
+def tiles_of(parameters: Any) -> list[dict[str, Any]]:
+    """The result at a glance."""
+    from SDFStentSlicer.Tiles import tilesOf
+
+    return [tile._asdict() for tile in tilesOf(parameters)]
+
+
 class Plain(Translator):
     """State variables are called the same here and there. Trame's own would look at all of them at every value that is set."""
 
@@ -169,6 +176,7 @@ class Page:
         state = self.server.state
         state.canSave = self.panel.savePlanButton.enabled
         state.atHand = at_hand_of(self.widget)
+        state.tiles = tiles_of(self.parameters)
         if stamp != self._shown_results:
             self._shown_results = stamp
             state.plot, state.table = plot_of(chart), table_of(table)

@@ -46,6 +46,13 @@ NEAREST = """window.nearest = (event, values) => {
 };"""
 """Of the values of a plot those that are seen nearest to the pointer."""
 
+UNFOLD = """window.unfold = name => {
+  const part = document.querySelector(`[data-name=${name}]`);
+  for (let one = part; one; one = one.parentElement.closest('details')) one.open = true;
+  part.scrollIntoView({block: 'nearest'});
+};"""
+"""Show a part of the panel."""
+
 KEYS = """const keys = {Escape: 'Esc', ArrowLeft: 'Left', ArrowRight: 'Right', Delete: 'Del'};
 const buttons = {z: 'undoButton', y: 'redoButton'};
 window.addEventListener('keydown', event => {
@@ -92,7 +99,9 @@ def build(page: Any) -> None:
     with DivLayout(server) as layout:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
-        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER + NAMED + NEAREST + KEYS + GO_ON)
+        client.ClientTriggers(
+            mounted=FOLLOW_THEME + IN_ORDER + NAMED + NEAREST + UNFOLD + KEYS + GO_ON
+        )
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(
             f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"
@@ -124,5 +133,6 @@ def _begin(page: Any) -> None:
     state.centerlineFiles = page.folders.listing(CENTERLINES)
     state.plot, state.table = plot_of(None), table_of(None)
     state.atHand = {"lines": [], "kind": ""}
+    state.tiles = []
     state.pointed = None
     state.client_only("pointed")

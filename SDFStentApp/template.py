@@ -29,6 +29,7 @@ NOT_IN_THE_PAGE = {
     "outputSelectorLabel": "results are saved from the page",
     "outputSelector": "results are saved from the page",
     "handleSelector": "every stent has a handle of its own",
+    "tilesLabel": "the tiles are shown below the view",
     "showPlotButton": "the plot is shown below the view",
     "showTableButton": "the table is shown below the view",
 }
@@ -283,7 +284,10 @@ FIT = """
 """
 
 DIAMETERS = """
-<div class="results" v-memo="[plot, table, pointed]">
+<div class="results"><div class="tiles" v-memo="[tiles]" data-name="tiles" role="region" aria-label="Result" tabindex="0">
+<component v-for="t in tiles" :is="t.is_caution ? 'button' : 'div'" class="tile" :class="{caution: t.is_caution}" @click="t.is_caution && window.unfold('detailsCollapsibleButton')">
+<span>{{ t.name }}</span> <strong>{{ t.value }}</strong> <span>{{ t.beneath }}</span></component></div>
+<div v-memo="[plot, table, pointed]">
 <p class="suffix" v-show="!plot.lines.length">Diameters along the stent, once it is deployed.</p>
 <figure v-show="plot.lines.length"><h2>{{ plot.title }}
 <span v-if="pointed" class="suffix" data-name="pointed">{{ pointed.text }}</span></h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" preserveAspectRatio="xMinYMid" role="img" :aria-label="plot.title"
@@ -299,7 +303,7 @@ DIAMETERS = """
 <details v-show="plot.lines.length"><summary>{{ table.title || 'Table' }}</summary><div class="table" role="region" aria-label="Diameters" tabindex="0"><table>
 <thead><tr><th v-for="c in table.columns">{{ c }}</th></tr></thead>
 <tbody><tr v-for="row in table.rows"><td v-for="v in row">{{ v }}</td></tr></tbody></table></div></details>
-</div>
+</div></div>
 """
 
 GONE = """

@@ -356,6 +356,9 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     visit.page.mouse.move(box["x"] + 0.35 * box["width"], middle, steps=5)
     visit.page.mouse.up()
     visit.until("atHand", "certified")
+    tiles = visit.named("tiles")
+    playwright.expect(tiles).to_contain_text(re.compile(r"Narrowest lumen\s*[\d.]+ mm\s*before"))
+    playwright.expect(tiles).to_be_in_viewport(ratio=1)
     assert visit.page.evaluate("document.querySelector('.panel').scrollTop + scrollY") == 0
     visit.open_parts()
     assert visit.page.evaluate(UNNAMED) == []

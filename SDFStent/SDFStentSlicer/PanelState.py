@@ -1,6 +1,7 @@
 """What the panel lets be done and says: enabled widgets, ends of sliders, headings, the status line, lines in the 3D views."""
 
 import math
+from html import escape
 
 import slicer
 from slicer.i18n import tr as _
@@ -9,7 +10,7 @@ from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
 from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
 from SDFStentLib.validation import one_line, printable
 
-from . import Display, Flow, Outputs, Sizes
+from . import Display, Flow, Outputs, Sizes, Tiles
 from .ParameterNode import (
     METHOD_PARAMETERS,
     MethodParameters,
@@ -233,6 +234,11 @@ class PanelState:
         """The line below Deploy; results that no longer belong to the plan are said to be old, unless they are renewed anyway."""
         isRenewed = self._session.isRenewing(standing)
         isOld = not isRenewed and self._logic.hasChanged(parameterNode, standing)
+        tiles = Tiles.tilesOf(parameterNode)
+        isEmpty = not parameterNode.lumenSummary
+        self.ui.tilesLabel.text = Tiles.html(tiles) if tiles else escape(parameterNode.lumenSummary)
+        self.ui.tilesLabel.visible = not isEmpty
+        self.ui.detailsCollapsibleButton.visible = not isEmpty
         # In words: gray text is hardly legible in a dark style.
         self.ui.oldLabel.visible = isOld and bool(parameterNode.lumenSummary)
         changed = (

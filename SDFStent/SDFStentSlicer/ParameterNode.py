@@ -199,7 +199,7 @@ class SDFStentParameterNode:
     """Inputs, the plan, what is shown, and the nodes that hold the results.
 
     `stents` is the plan's ordered list; `stent` is the selected one while it is edited, kept equal to `stents[selected]` by
-    `StentList`. `summaryRow` is the result in the few words of the table of plans, as JSON.
+    `StentList`. `tiles` is the result at a glance, as JSON: the library's `Tile` as lists.
     """
 
     vessel: Union[vtkMRMLModelNode, vtkMRMLSegmentationNode, None]
@@ -244,7 +244,7 @@ class SDFStentParameterNode:
     lumenSummary: str = ""
     certificateSummary: str = ""
     warningSummary: str = ""
-    summaryRow: str = ""
+    tiles: str = ""
     atHand: str = ""
     """What the 3D view tells of the selected stent, line by line."""
     planDocument: str = ""

@@ -1,12 +1,12 @@
 """The section Plans of the panel: the alternatives for the vessel, side by side."""
 
-import json
-
 import qt
 from slicer.i18n import tr as _
 
+from SDFStentLib.report import COMPARED
 from SDFStentLib.validation import one_line
 
+from . import Tiles
 from .PanelParts import FolderButton, fitColumns
 
 
@@ -63,11 +63,12 @@ class PlanTable:
     def _row(self, plan):
         """The texts of a plan, and what to say of all of them."""
         name = one_line(plan.parameterNode.GetName())
-        if not plan.summaryRow:
-            return (name, *4 * ("",), _("Not deployed yet."))
+        values = {one.name: one.value for one in Tiles.tilesOf(plan)}
+        if not values.keys() >= set(COMPARED):
+            return (name, *len(COMPARED) * ("",), _("Not deployed yet."))
         isOld = self._logic.hasChanged(plan)
         tip = _("Changed since this deployment.") if isOld else ""
-        return (name, *json.loads(plan.summaryRow), tip)
+        return (name, *(values[one] for one in COMPARED), tip)
 
     def _fill(self, row, column, text, tip):
         """Set a cell in place: one that is being edited goes on being edited."""

@@ -11,15 +11,16 @@ from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.report import (
     contact_fact,
     coverage_fact,
-    degree_word,
     flow_moments,
     flow_section,
     lumen_fact,
     measured_lines,
     measuring_lines,
     previewed_lines,
+    previewed_tiles,
     ratio_sentence,
     residual_fact,
+    result_tiles,
     stent_balloon_sentences,
     stent_device_sentences,
     stent_lesion_sentences,
@@ -59,7 +60,7 @@ def showEnd(parameterNode, run, lines):
 def clearNumbers(parameterNode, text=""):
     """Take away what was measured; `text` stands in its place."""
     parameterNode.lumenSummary = text
-    parameterNode.certificateSummary = parameterNode.warningSummary = parameterNode.summaryRow = ""
+    parameterNode.certificateSummary = parameterNode.warningSummary = parameterNode.tiles = ""
     parameterNode.rightBranch = parameterNode.atHand = ""
 
 
@@ -113,6 +114,7 @@ def showPreviewed(parameterNode, run, lumens, lesions):
     ]
     with slicer.util.NodeModify(parameterNode):
         clearNumbers(parameterNode, "\n\n".join(sentences))
+        parameterNode.tiles = json.dumps(previewed_tiles(lumens))
         if run.state.stents:
             number = selectedStent(parameterNode, run)
             lines = previewed_lines(run.state.stents[number], lumens[number])
@@ -137,31 +139,16 @@ def showMeasured(parameterNode, run):
         parameterNode.certificateSummary = (
             run.result.certificate.sentence() if run.result.certificate else f"{NOT_CERTIFIED}."
         )
-        parameterNode.summaryRow = json.dumps(summaryRow(run))
-        cautions = (
-            *run.result.warnings,
-            *size_cautions(run.result.stents, run.lesions, run.label),
-        )
-        told = filter(None, (run.remark, *(caution.sentence() for caution in cautions)))
+        told = filter(None, (run.remark, *(caution.sentence() for caution in _cautions(run))))
         parameterNode.warningSummary = "\n".join(
             _("Warning: {sentence}").format(sentence=one_line(sentence)) for sentence in told
         )
 
 
-def summaryRow(run):
-    """The narrowest lumen in the stents, what is left in the treated vessel, branches and certificate: a few words each."""
-    stents, lesions = run.result.stents, run.lesions
-    left = residual_of(lesions or (), stents)
-    branches = {branch.name: branch for stent in stents for branch in stent.branches}
-    covered = {branch.name for stent in stents for branch in stent.branches if not branch.is_free}
-    return [
-        _("{lumen} mm").format(lumen=_number(min(stent.after.minimum for stent in stents))),
-        degree_word(None if left is None else left.percent),
-        _("{count} of {all} covered").format(count=len(covered), all=len(branches))
-        if branches
-        else _("none near"),
-        _("meshable") if isCertified(run.result) else _("not certified"),
-    ]
+def _cautions(run):
+    """What has to be known of the stents and of their sizes."""
+    result = run.result
+    return [*result.warnings, *size_cautions(result.stents, run.lesions, run.label)]
 
 
 def isCertified(result):
@@ -176,14 +163,20 @@ def showSummary(parameterNode, run):
     headline = [] if left is None else [str(residual_fact(left))]
     parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *_flowParagraphs(run)])
     showAtHand(parameterNode, run)
+    flow, isMeshable = _flowOf(run), isCertified(run.result)
+    tiles = result_tiles(run.result.stents, run.lesions, isMeshable, _cautions(run), flow)
+    parameterNode.tiles = json.dumps(tiles)
+
+
+def _flowOf(run):
+    return None if run.flow is None else flow_section(run.flow)
 
 
 def showAtHand(parameterNode, run):
     """The few lines beside the selected stent."""
     stents = run.result.stents
     chosen = stents[selectedStent(parameterNode, run)]
-    flow = None if run.flow is None else flow_section(run.flow)
-    lines = measured_lines(chosen, stents, run.lesions, isCertified(run.result), flow)
+    lines = measured_lines(chosen, stents, run.lesions, isCertified(run.result), _flowOf(run))
     parameterNode.atHand = "\n".join(lines)
 
 

@@ -91,7 +91,7 @@ class Dragged:
 
     def deploy(self):
         self.named("deployButton").click()
-        self.named("certificateLabel").filter(has_text="ertified").wait_for(timeout=120_000)
+        self.named("atHand").filter(has_text="certified").wait_for(timeout=120_000)
 
     def moveMouse(self, x, y):
         """As the driver does, which also asks the page twice at every move whether something is dragged and dropped."""

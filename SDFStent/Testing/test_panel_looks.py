@@ -211,12 +211,14 @@ def test_no_line_of_the_results_is_cut(host, aStent):
 
     ui, area = aStent.ui, QtWidgets.QScrollArea()
     openSections(aStent)
+    deploy(host, aStent)  # there are details only of a result
     aStent.parent.setParent(None)
     area.setWidgetResizable(True)  # as Slicer's module panel
     area.setWidget(aStent.parent)
     area.resize(480, 800)
     area.show()
-    labels = [ui.lumenLabel, ui.warningLabel, ui.certificateLabel, ui.oldLabel, ui.deviceLabel]
+    results = [ui.lumenLabel, ui.warningLabel, ui.certificateLabel]
+    labels = [*results, ui.tilesLabel, ui.oldLabel, ui.deviceLabel]
     for count in (1, 40, 150, 400):
         for own in labels:
             for label in labels:

@@ -78,7 +78,7 @@ def test_a_duplicate_names_every_parameter_that_is_no_result(theModule):
 
     own = {"stents", "method", "stent", "selected", "autoUpdate", "expansion", "status"}
     results = {name for name in SDFStentParameterNode.allParameters if name.startswith("output")}
-    results |= {"rightBranch", "lumenSummary", "certificateSummary", "warningSummary", "summaryRow"}
+    results |= {"rightBranch", "lumenSummary", "certificateSummary", "warningSummary", "tiles"}
     results |= {"atHand"}
     assert {*COPIED} | own | results == set(SDFStentParameterNode.allParameters)
 

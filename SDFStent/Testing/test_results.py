@@ -102,3 +102,27 @@ def test_the_panel_says_that_it_is_for_research_only(aPanel):
     line = aPanel.ui.researchLabel
     assert line.text == "Research use only, not a medical device."
     assert line.visible
+
+
+def test_a_result_is_told_by_tiles_with_warnings_first(host, aStent):
+    from SDFStentSlicer.Tiles import tilesOf
+
+    parameters, ui = aStent._parameterNode, aStent.ui
+    host.processUntil(lambda: not aStent.lesions.isBusy)
+    assert not ui.tilesLabel.visible
+    deploy(host, aStent)
+    run = aStent.logic.lastRun(parameters)
+    (stent,) = run.result.stents
+    tiles = {one.name: one for one in tilesOf(parameters)}
+    assert tiles["Narrowest lumen"].value == f"{stent.after.minimum:.1f} mm"
+    assert tiles["Narrowest lumen"].beneath.startswith(f"before {stent.before.minimum:.1f}")
+    assert tiles["Surface"].value == "meshable"
+    assert ui.tilesLabel.visible
+    assert all(one.value in ui.tilesLabel.text for one in tiles.values())
+    assert ui.detailsCollapsibleButton.collapsed  # sentences are a click away
+    ui.diameterSlider.value = 2.0  # narrower than the vessel: nothing moves
+    deploy(host, aStent)
+    first, *others = tilesOf(parameters)
+    assert (first.name, first.is_caution) == ("Warnings", True)
+    assert "without effect" in first.beneath
+    assert not any(one.is_caution for one in others)

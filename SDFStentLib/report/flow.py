@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..flow import UNCERTAIN, Band, FlowAnswer, Moment
 from .markup import paragraph, table
@@ -126,16 +126,21 @@ def flow_line(section: Section) -> str:
     return f"{_at('mean', section)}, estimated: {told or 'nothing to tell'}."
 
 
-def share_gained(before: Section, after: Section) -> str:
-    """The side whose share of the flow grows most, in few words; empty without sides."""
-    shares = {
-        side: [100 * one["share"][side]["value"] for one in (before, after)]
+class Gained(NamedTuple):
+    """The side whose share of the flow grows most: percent before and after."""
+
+    side: str
+    before: float
+    after: float
+
+
+def share_gained(before: Section, after: Section) -> Gained | None:
+    """Of the sections of a moment; None without sides."""
+    found = [
+        Gained(side, *(100 * one["share"][side]["value"] for one in (before, after)))
         for side in before["share"]
-    }
-    if not shares:
-        return ""
-    side, values = max(shares.items(), key=lambda one: one[1][1] - one[1][0])
-    return f"flow to the {side} {' -> '.join(f'{value:.0f}' for value in values)} %"
+    ]
+    return max(found, key=lambda one: one.after - one.before, default=None)
 
 
 def stents_in(section: Section) -> int:

@@ -1,0 +1,261 @@
+"""A result at a glance: a few lines beside the stent while a hand moves it, and tiles below."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..cautions import GRAVEST, Caution
+from ..treatment import PlacedStent, TreatedLesion, TreatedStent, residual_of
+from .facts import ALL_ROUND, CONTACT
+from .flow import share_gained
+from .words import degree_word, number_text
+
+PREVIEW, MEASURING = "preview", "measuring..."
+CERTIFIED, NOT_CERTIFIED = "certified for meshing", "not certified"
+"""What the last of the lines says."""
+
+MOST_LINES = 6
+
+WARNINGS = "Warnings"
+LUMEN, STENOSIS, BRANCHES, SURFACE = "Narrowest lumen", "Stenosis left", "Branches", "Surface"
+COMPARED = (LUMEN, STENOSIS, BRANCHES, SURFACE)
+"""The tiles that every result has: what differs between plans."""
+
+
+class Tile(NamedTuple):
+    """One quantity of a result: its value large, its name small, before and reference beneath."""
+
+    name: str
+    value: str
+    beneath: str = ""
+    is_caution: bool = False
+    """Whether it has to be known before one relies on the others."""
+
+
+def previewed_lines(placed: PlacedStent, lumen: float) -> list[str]:
+    """Of a preview: the size, about the narrowest lumen in the stent, mm, and that it is one.
+
+    Parameters
+    ----------
+    placed : PlacedStent
+    lumen : float
+        NaN where it is not known.
+    """
+    known = [f"narrowest about {lumen:.1f} mm"] if math.isfinite(lumen) else []
+    return [_size(placed), *known, PREVIEW]
+
+
+def measuring_lines(placed: PlacedStent) -> list[str]:
+    """Of a stent that is in its place, and not measured yet."""
+    return [_size(placed), MEASURING]
+
+
+def measured_lines(
+    treated: TreatedStent,
+    stents: Sequence[TreatedStent],
+    lesions: Sequence[TreatedLesion] | None,
+    is_certified: bool,
+    flow: Mapping[str, Any] | None = None,
+) -> list[str]:
+    """Of a stent after its deployment, at most `MOST_LINES`; the last says whether it is certified.
+
+    Parameters
+    ----------
+    treated : TreatedStent
+        The one that is told of,
+    stents : sequence of TreatedStent
+        and all of the treatment.
+    lesions : sequence of TreatedLesion or None
+        Of the vessel; None where none were looked for.
+    is_certified : bool
+        Whether the surface with all stents is.
+    flow : mapping, optional
+        `flow_section` before and after treatment.
+    """
+    lumens = (treated.before.minimum, treated.after.minimum)
+    told = [
+        _size(treated),
+        f"narrowest {' -> '.join(number_text(one, 1) for one in lumens)} mm",
+        _left(treated, stents, lesions or ()),
+        _branches(treated),
+        "" if flow is None else _flow(flow, treated.number),
+        _contact(treated),
+    ]
+    told = [line for line in told if line][: MOST_LINES - 1]
+    return [*told, CERTIFIED if is_certified else NOT_CERTIFIED]
+
+
+def _size(placed: PlacedStent) -> str:
+    return f"{placed.stent.diameter:.1f} x {placed.axis.deployed_length:.1f} mm"
+
+
+def _left(
+    treated: TreatedStent, stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]
+) -> str:
+    """The worst lesion that the stent covers, and what is left in its vessel, wherever that is.
+
+    Of one that covers none the lesion beside it.
+    """
+    covered = [one.before.percent_diameter for one in lesions if treated.number in one.stents]
+    left = residual_of(lesions, stents)
+    if not lesions:
+        return ""
+    if not covered or left is None:
+        points = np.array([one.after.point for one in lesions])
+        beside = lesions[int(treated.axis.line.nearest(points).distances.argmin())]
+        degree = degree_word(beside.after.percent_diameter)
+        return f"no lesion covered; lesion {beside.number}: {degree} left"
+    return f"stenosis {degree_word(max(covered))} -> {degree_word(left.percent)}"
+
+
+def _branches(treated: TreatedStent) -> str:
+    """How many branches it changes."""
+    covered = sum(not branch.is_free for branch in treated.branches)
+    names = {branch.name for branch in treated.branches}
+    narrowed = sum(one.is_narrowed for one in treated.neighbors if one.name in names)
+    said = [f"{covered} covered" if covered else "", f"{narrowed} narrowed" if narrowed else ""]
+    words = ", ".join(filter(None, said))
+    return words and f"branches: {words}"
+
+
+def _flow(flow: Mapping[str, Any], number: int) -> str:
+    """At the mean flow: the side that gains most, and the drop over the stent."""
+    gained, drops = (
+        share_gained(flow["before"]["mean"], flow["after"]["mean"]),
+        _drops(flow, number),
+    )
+    share = (
+        ""
+        if gained is None
+        else f"flow to the {gained.side} {gained.before:.0f} -> {gained.after:.0f} %"
+    )
+    drop = f"drop {' -> '.join(number_text(one, 1) for one in drops)} mmHg" if drops else ""
+    return ", ".join(filter(None, [share, drop]))
+
+
+def _drops(flow: Mapping[str, Any], number: int) -> list[float]:
+    """Over a stent at the mean flow, before and after treatment, mmHg; none where not told."""
+    return [
+        one["recovered_mmhg"]["value"]
+        for state in (flow["before"]["mean"], flow["after"]["mean"])
+        for one in state["narrowings"]
+        if one["name"] == f"stent {number}"
+    ]
+
+
+def _contact(treated: TreatedStent) -> str:
+    found = treated.apposition
+    if found is None or not found.free_length > 0:
+        return ""
+    return f"off the wall over {found.free_length:.0f} of {found.length:.0f} mm"
+
+
+def previewed_tiles(lumens: Sequence[float]) -> list[Tile]:
+    """Of a preview, by the narrowest lumen of every stent, mm; NaN where it is not known."""
+    known = [one for one in lumens if math.isfinite(one)]
+    return [Tile(LUMEN, f"about {min(known):.1f} mm", PREVIEW)] if known else []
+
+
+def result_tiles(
+    stents: Sequence[TreatedStent],
+    lesions: Sequence[TreatedLesion] | None,
+    is_certified: bool,
+    cautions: Sequence[Caution] = (),
+    flow: Mapping[str, Any] | None = None,
+) -> list[Tile]:
+    """Of a treatment, what has to be known first in front; all of `COMPARED` are among them.
+
+    Parameters
+    ----------
+    stents : sequence of TreatedStent
+        At least one.
+    lesions : sequence of TreatedLesion or None
+        Of the vessel; None where none were looked for.
+    is_certified : bool
+        Whether the surface is.
+    cautions : sequence of Caution
+        All that there are.
+    flow : mapping, optional
+        `flow_section` before and after treatment.
+    """
+    tiles = [
+        *_warnings(cautions),
+        _lumen(stents),
+        _stenosis(stents, lesions or ()),
+        _beside(stents),
+        *_touching(stents),
+        *([] if flow is None else _flowing(flow, [one.number for one in stents])),
+        Tile(SURFACE, "meshable" if is_certified else NOT_CERTIFIED, "", not is_certified),
+    ]
+    return sorted(tiles, key=lambda tile: not tile.is_caution)
+
+
+def _warnings(cautions: Sequence[Caution]) -> Iterator[Tile]:
+    """How many there are, and of what, the gravest first."""
+    if not cautions:
+        return
+    rank = {kind: place for place, kind in enumerate(GRAVEST)}
+    kinds = sorted({one.kind for one in cautions}, key=lambda kind: rank.get(kind, len(rank)))
+    topics = ", ".join(kind.replace("-", " ") for kind in kinds)
+    yield Tile(WARNINGS, str(len(cautions)), topics, True)
+
+
+def _lumen(stents: Sequence[TreatedStent]) -> Tile:
+    """The narrowest place of all stents; NaN is narrower than any."""
+    lumens = [one.after.minimum for one in stents]
+    worst = stents[int(np.argmin(lumens))]
+    before, planned = (number_text(one, 1) for one in (worst.before.minimum, worst.stent.diameter))
+    return Tile(
+        LUMEN,
+        f"{number_text(worst.after.minimum, 1)} mm",
+        f"before {before}, stent {planned} mm",
+    )
+
+
+def _stenosis(stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]) -> Tile:
+    left = residual_of(lesions, stents)
+    if left is None:
+        none = "no lesion is covered" if lesions else "no lesions are known"
+        return Tile(STENOSIS, degree_word(None), none)
+    covered = [one.before.percent_diameter for one in lesions if one.stents]
+    healthy = f"healthy {number_text(left.reference, 1)} mm"
+    before = f"before {degree_word(max(covered))}" if covered else ""
+    return Tile(STENOSIS, degree_word(left.percent), f"{before}, {healthy}")
+
+
+def _beside(stents: Sequence[TreatedStent]) -> Tile:
+    every = {branch.name: branch for one in stents for branch in one.branches}
+    covered = {branch.name for one in stents for branch in one.branches if not branch.is_free}
+    narrowed = {near.name for one in stents for near in one.neighbors if near.is_narrowed} & set(
+        every
+    )
+    if not every:
+        return Tile(BRANCHES, "none near")
+    beneath = f"{len(narrowed)} narrowed" if narrowed else "none narrowed"
+    return Tile(BRANCHES, f"{len(covered)} of {len(every)} covered", beneath)
+
+
+def _touching(stents: Sequence[TreatedStent]) -> Iterator[Tile]:
+    """How much of the stents does not touch the wall; none where that was not looked for."""
+    found = [one.apposition for one in stents if one.apposition is not None]
+    if not found:
+        return
+    free, length = (sum(getattr(one, name) for one in found) for name in ("free_length", "length"))
+    off = f"{free:.0f} mm off" if free > 0 else ALL_ROUND
+    yield Tile(CONTACT, off, f"of {length:.0f} mm")
+
+
+def _flowing(flow: Mapping[str, Any], numbers: Sequence[int]) -> Iterator[Tile]:
+    """At the mean flow: the side that gains most, and the largest drop over a stent."""
+    gained = share_gained(flow["before"]["mean"], flow["after"]["mean"])
+    if gained is not None:
+        beneath = f"before {gained.before:.0f} %"
+        yield Tile(f"Flow to the {gained.side}", f"{gained.after:.0f} %", beneath)
+    drops = [both for number in numbers if len(both := _drops(flow, number)) == 2]
+    if drops:
+        first, last = (f"{number_text(one, 1)} mmHg" for one in max(drops))
+        yield Tile("Pressure drop", last, f"before {first}")
