@@ -235,12 +235,12 @@ class PanelState:
         isRenewed = self._session.isRenewing(standing)
         isOld = not isRenewed and self._logic.hasChanged(parameterNode, standing)
         tiles = Tiles.tilesOf(parameterNode)
-        isEmpty = not parameterNode.lumenSummary
+        hasResult = bool(parameterNode.lumenSummary)
         self.ui.tilesLabel.text = Tiles.html(tiles) if tiles else escape(parameterNode.lumenSummary)
-        self.ui.tilesLabel.visible = not isEmpty
-        self.ui.detailsCollapsibleButton.visible = not isEmpty
+        self.ui.tilesLabel.visible = hasResult
+        self.ui.detailsCollapsibleButton.visible = hasResult
         # In words: gray text is hardly legible in a dark style.
-        self.ui.oldLabel.visible = isOld and bool(parameterNode.lumenSummary)
+        self.ui.oldLabel.visible = isOld and hasResult
         changed = (
             _("Changed since this deployment.")
             if standing.missing

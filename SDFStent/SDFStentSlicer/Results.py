@@ -163,8 +163,9 @@ def showSummary(parameterNode, run):
     headline = [] if left is None else [str(residual_fact(left))]
     parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *_flowParagraphs(run)])
     showAtHand(parameterNode, run)
-    flow, isMeshable = _flowOf(run), isCertified(run.result)
-    tiles = result_tiles(run.result.stents, run.lesions, isMeshable, _cautions(run), flow)
+    tiles = result_tiles(
+        run.result.stents, run.lesions, isCertified(run.result), _cautions(run), _flowOf(run)
+    )
     parameterNode.tiles = json.dumps(tiles)
 
 

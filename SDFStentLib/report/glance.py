@@ -124,17 +124,14 @@ def _branches(treated: TreatedStent) -> str:
 
 def _flow(flow: Mapping[str, Any], number: int) -> str:
     """At the mean flow: the side that gains most, and the drop over the stent."""
-    gained, drops = (
-        share_gained(flow["before"]["mean"], flow["after"]["mean"]),
-        _drops(flow, number),
-    )
-    share = (
-        ""
-        if gained is None
-        else f"flow to the {gained.side} {gained.before:.0f} -> {gained.after:.0f} %"
-    )
-    drop = f"drop {' -> '.join(number_text(one, 1) for one in drops)} mmHg" if drops else ""
-    return ", ".join(filter(None, [share, drop]))
+    told = []
+    gained = share_gained(flow["before"]["mean"], flow["after"]["mean"])
+    if gained is not None:
+        told.append(f"flow to the {gained.side} {gained.before:.0f} -> {gained.after:.0f} %")
+    drops = _drops(flow, number)
+    if drops:
+        told.append(f"drop {' -> '.join(number_text(one, 1) for one in drops)} mmHg")
+    return ", ".join(told)
 
 
 def _drops(flow: Mapping[str, Any], number: int) -> list[float]:
@@ -221,20 +218,18 @@ def _stenosis(stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]) 
     if left is None:
         none = "no lesion is covered" if lesions else "no lesions are known"
         return Tile(STENOSIS, degree_word(None), none)
-    covered = [one.before.percent_diameter for one in lesions if one.stents]
-    healthy = f"healthy {number_text(left.reference, 1)} mm"
-    before = f"before {degree_word(max(covered))}" if covered else ""
-    return Tile(STENOSIS, degree_word(left.percent), f"{before}, {healthy}")
+    # There is one: else nothing would be said to be left.
+    before = degree_word(max(one.before.percent_diameter for one in lesions if one.stents))
+    beneath = f"before {before}, healthy {number_text(left.reference, 1)} mm"
+    return Tile(STENOSIS, degree_word(left.percent), beneath)
 
 
 def _beside(stents: Sequence[TreatedStent]) -> Tile:
-    every = {branch.name: branch for one in stents for branch in one.branches}
-    covered = {branch.name for one in stents for branch in one.branches if not branch.is_free}
-    narrowed = {near.name for one in stents for near in one.neighbors if near.is_narrowed} & set(
-        every
-    )
+    every = {branch.name for one in stents for branch in one.branches}
     if not every:
         return Tile(BRANCHES, "none near")
+    covered = {branch.name for one in stents for branch in one.branches if not branch.is_free}
+    narrowed = every & {near.name for one in stents for near in one.neighbors if near.is_narrowed}
     beneath = f"{len(narrowed)} narrowed" if narrowed else "none narrowed"
     return Tile(BRANCHES, f"{len(covered)} of {len(every)} covered", beneath)
 
