@@ -21,8 +21,6 @@ from SDFStentLib.report.html import html_page
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.validation import Points, Triangles
 
-DATA = Path(__file__).parents[2] / "shared" / "data"
-
 
 def quality(points: Points, triangles: Triangles, measure: str) -> np.ndarray:
     """A measure of every triangle by VTK's Verdict library."""
@@ -34,11 +32,9 @@ def quality(points: Points, triangles: Triangles, measure: str) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def in_cm(tmp_path_factory: pytest.TempPathFactory) -> PlanResult:
-    """A deployment in a file in cm; in an anatomy where there is one."""
-    surface, line = (DATA / f"pulmonary_{part}_cm.vtp" for part in ("surface", "centerline"))
-    if not surface.exists():
-        pytest.skip("no anatomies here")
+def in_cm(data_dir: Path) -> PlanResult:
+    """A deployment in an anatomy, in a file in cm."""
+    surface, line = (data_dir / f"pulmonary_{part}_cm.vtp" for part in ("surface", "centerline"))
     inputs = read_input_files(surface, line, "cm")
     stent = Stent(20.0, placement=AtCenter(np.array([27.16, -54.26, 67.09])), length=20.0)
     plan = Plan((stent,), units="cm", settings=DeploymentSettings(tissue_gap=0.5))
