@@ -342,10 +342,10 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
 def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server):
     visit = Visit(a_browser, the_server.address, (1280, 800))
     visit.named("lesionTable").locator("tbody tr").first.wait_for()
-    names = ("lesionTable", "stentTable", "addStentButton", "diameterSlider", "lengthSlider")
+    names = ("lesionTable", "stentTable", "suggestButton", "diameterSlider", "lengthSlider")
     boxes = {name: visit.named(name).bounding_box() for name in (*names, "deployButton")}
     assert all(box["y"] >= 0 and box["y"] + box["height"] <= 800 for box in boxes.values()), boxes
-    clicks = ("lesionTable", "tbody td"), ("addStentButton", None), ("autoUpdateCheckBox", "input")
+    clicks = ("lesionTable", "tbody td"), ("suggestButton", None), ("autoUpdateCheckBox", "input")
     for name, inside in clicks:  # and a drag: from the vessel to the result
         one = visit.named(name)
         (one.locator(inside).first if inside else one).click()

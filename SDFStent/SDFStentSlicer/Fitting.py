@@ -3,7 +3,13 @@
 from dataclasses import replace
 
 from SDFStentLib.plan import device_named, device_table, stent_details
-from SDFStentLib.stent import DEFAULT_FORESHORTENING, Balloon, Shape, balloon_by_rule
+from SDFStentLib.stent import (
+    DEFAULT_FORESHORTENING,
+    Balloon,
+    Shape,
+    balloon_by_rule,
+    balloon_leaving,
+)
 from SDFStentLib.validation import InputError
 
 from . import Handles, Plans, Sizes
@@ -95,10 +101,17 @@ class Fitting:
         self._inflateIn(parameterNode, balloon, native)
 
     def _inflateIn(self, parameterNode, balloon, lumen):
-        """Let a balloon recoil by the rule in a lumen, mm."""
-        found = balloon_by_rule(balloon.diameter, lumen)
+        """Let a balloon recoil by the rule in a lumen, mm. Where that of the stent was set last it is what the balloon leaves."""
+        stent = parameterNode.stent
+        if not Sizes.isLumenSet(stent):
+            found = balloon_by_rule(balloon.diameter, lumen)
+            if found != balloon:
+                self.inflate(parameterNode, found)
+            return
+        found = balloon_leaving(stent.diameter, lumen)
         if found != balloon:
-            self.inflate(parameterNode, found)
+            kept = Sizes.detailsOf(stent).balloon
+            self.setDetails(parameterNode, balloon=replace(found, diameter=kept.diameter))
 
     def setKept(self, parameterNode, end):
         """Keep the center, the proximal or the distal end of the stent where it is when it shortens."""

@@ -207,7 +207,6 @@ class PanelState:
         hasLength = not stent.placement.usesHandleLength or (isCurve and not stent.wholeCurve)
         isOwn = device is not None and device.nominal_length is not None
         self.ui.lengthSlider.enabled = hasLength and not isOwn
-        self.ui.diameterSlider.enabled = Sizes.detailsOf(stent).balloon is None
         isKnown = device is not None or stent.placement == Placement.AGAIN
         isAsked = Sizes.asksForShortening(stent)
         self.ui.foreshorteningSlider.enabled = isAsked or not (isKnown and isByDevice)

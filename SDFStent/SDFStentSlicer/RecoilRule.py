@@ -63,4 +63,5 @@ def _standing(parameterNode):
     length, handle = Sizes.lengthOf(stent), Conversion.changeStamp(stent.handle)
     place = (stent.placement, length, stent.wholeCurve, handle)
     inputs = Conversion.inputStamp(parameterNode)
-    return whose, (balloon.diameter, stent.foreshortening, place, inputs)
+    wide = (stent.diameter, None) if Sizes.isLumenSet(stent) else (None, balloon.diameter)
+    return whose, (wide, stent.foreshortening, place, inputs)

@@ -70,6 +70,11 @@ def balloonOf(stent):
         return kept
 
 
+def isLumenSet(stent):
+    """Whether the diameter of a stent on a balloon was set after that of the balloon, which follows it."""
+    return stent.diameter != detailsOf(stent).balloon.lumen_diameter
+
+
 def shapeOf(stent):
     """What makes the stent another than a cylinder, or None."""
     kept = detailsOf(stent).shape

@@ -5,7 +5,7 @@ from dataclasses import replace
 import slicer
 
 from SDFStentLib.plan import read_details, stent_details
-from SDFStentLib.report import suggestion_sentences
+from SDFStentLib.report import proposal_sentence
 from SDFStentLib.stent import stent_axis
 from SDFStentLib.treatment import SizingWishes, Vessel, stent_ratios, suggested
 from SDFStentLib.validation import InputError
@@ -42,7 +42,7 @@ class Suggesting:
         handle = parameterNode.stent.handle
         handle.SetNthControlPointPositionWorld(0, *suggestion.stent.placement.point)
         cautions = [caution.sentence() for caution in suggestion.cautions()]
-        parameterNode.status = "\n".join([*suggestion_sentences(suggestion), *cautions])
+        parameterNode.status = "\n".join([proposal_sentence(suggestion), *cautions])
         return suggestion
 
     def _numberOf(self, parameterNode, lesion):

@@ -29,7 +29,7 @@ def suggestion(panel, number=1, **wishes):
 
 
 def test_suggest_adds_the_stent_of_the_library(host, aLesion):
-    from SDFStentLib.report import suggestion_sentences
+    from SDFStentLib.report import proposal_sentence
 
     panel, lesion = aLesion
     host.click(panel.ui.suggestButton)
@@ -39,9 +39,7 @@ def test_suggest_adds_the_stent_of_the_library(host, aLesion):
     assert stent.balloon == expected.stent.balloon
     assert stent.foreshortening == pytest.approx(expected.stent.foreshortening)
     np.testing.assert_allclose(stent.placement.point, expected.stent.placement.point, atol=1e-9)
-    shown = panel.ui.statusLabel.text
-    assert shown == "\n".join(suggestion_sentences(expected))
-    assert "Rule: lumen as wide as the smaller healthy vessel" in shown
+    assert panel.ui.statusLabel.text == proposal_sentence(expected)
     deploy(host, panel)
     assert panel.ui.statusLabel.text == ""
     run = panel.logic.lastRun(panel._parameterNode)
@@ -75,6 +73,30 @@ def test_suggest_sizes_the_stent_that_is_there(host, aLesion):
     expected = suggestion(panel)
     assert planned(panel)[1].diameter == expected.stent.diameter
     assert panel.ui.stentTable.currentRow() == 1
+
+
+def test_a_suggested_stent_is_dragged_to_another_diameter(host, aLesion):
+    """The balloon follows, by the recoil of the rule: the lumen is what was asked for."""
+    panel, lesion = aLesion
+    ui, parameters = panel.ui, panel._parameterNode
+    host.click(ui.suggestButton)
+    assert ui.diameterSlider.enabled
+    narrowest = lesion.minimum_diameter
+    for lumen, recoil in ((6.0, 0.07), (round(3.2 * narrowest, 2), 0.10), (7.0, 0.07)):
+        ui.diameterSlider.value = lumen
+        host.processUntil(lambda: not panel.recoil.isBusy)
+        (stent,) = planned(panel)
+        assert (ui.diameterSlider.value, stent.balloon.recoil_fraction) == (lumen, recoil)
+        assert stent.diameter == pytest.approx(lumen)
+        assert stent.balloon.diameter == pytest.approx(lumen / (1 - recoil))
+        assert ui.balloonSlider.value == pytest.approx(stent.balloon.diameter, abs=0.01)
+    deploy(host, panel)
+    (treated,) = panel.logic.lastRun(parameters).result.stents
+    assert treated.after.minimum == pytest.approx(7.0, rel=0.02)
+    ui.balloonSlider.value = 8.0  # now the lumen follows
+    host.processUntil(lambda: not panel.recoil.isBusy)
+    assert planned(panel)[0].balloon.diameter == 8.0
+    assert ui.diameterSlider.value == pytest.approx(8.0 * 0.93)
 
 
 def test_ratios_are_shown_while_sizes_change(host, aLesion):
@@ -114,8 +136,8 @@ def test_a_lesion_of_another_vessel_is_refused(aLogic, theParameters):
 
 
 def test_a_suggestion_goes_by_the_ratio_and_the_margin_that_are_set(host, aLesion, tmp_path):
-    """In the words of the library and the shell; kept by copies of the plan, and set back with the method."""
-    from SDFStentLib.report import suggestion_sentences
+    """In the words of the library; kept by copies of the plan, and set back with the method."""
+    from SDFStentLib.report import proposal_sentence
     from SDFStentLib.treatment import SizingWishes
 
     panel, _lesion = aLesion
@@ -128,8 +150,7 @@ def test_a_suggestion_goes_by_the_ratio_and_the_margin_that_are_set(host, aLesio
     expected = suggestion(panel, ratio=0.9, margin=2.0)
     (stent,) = planned(panel)
     assert (stent.diameter, stent.length) == (expected.stent.diameter, expected.stent.length)
-    assert ui.statusLabel.text.splitlines()[:5] == suggestion_sentences(expected)
-    assert "lumen 0.9 times as wide" in ui.statusLabel.text
+    assert ui.statusLabel.text.splitlines()[0] == proposal_sentence(expected)
     copy = panel.logic.duplicatePlan(parameters)
     assert (copy.suggestRatio, copy.suggestMargin) == (0.9, 2.0)
     ui.suggestMarginSpinBox.value = 3.0

@@ -54,6 +54,7 @@ from .simulation import simulation_document as simulation_document
 from .simulation import simulation_page as simulation_page
 from .simulation import simulation_sentences as simulation_sentences
 from .sizing import balloon_sentences as balloon_sentences
+from .sizing import proposal_sentence as proposal_sentence
 from .sizing import ratio_sentence as ratio_sentence
 from .sizing import stent_balloon_sentences as stent_balloon_sentences
 from .sizing import stent_ratio_sentences as stent_ratio_sentences

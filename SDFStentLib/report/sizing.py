@@ -26,20 +26,28 @@ def suggestion_sentences(suggestion: Suggestion, devices: Sequence[Device] = ())
 
     `devices` are the rows of the device table, among which a stent of that size is looked for.
     """
-    lesion, stent = suggestion.lesion, suggestion.stent
-    balloon = stent.balloon
+    lesion, stent, balloon = suggestion.lesion, suggestion.stent, suggestion.stent.balloon
     assert balloon is not None
-    device = "" if stent.device is None else f" of {stent.device.name}"
     return [
         f"Lesion {suggestion.number}: {lesion.percent_diameter:.0f} % by diameter, minimum "
         f"{lesion.minimum_diameter:.2f} mm, {lesion.length:.1f} mm long; healthy vessel "
         f"{_side(lesion.proximal)} proximal, {_side(lesion.distal)} distal.",
-        f"Proposed{device}: balloon {balloon.diameter:.1f} mm, lumen {stent.diameter:.2f} mm, "
-        f"nominal length {stent.length:g} mm ({suggestion.deployed_length:.1f} mm deployed).",
+        proposal_sentence(suggestion),
         f"Rule: {suggestion.rule}. Recoil {100 * balloon.recoil_fraction:g} %: {balloon.reason}.",
         *_product_sentences(stent, devices),
         ratio_sentence(suggestion.ratios),
     ]
+
+
+def proposal_sentence(suggestion: Suggestion) -> str:
+    """The stent that is proposed, by its sizes."""
+    stent, balloon = suggestion.stent, suggestion.stent.balloon
+    assert balloon is not None
+    device = "" if stent.device is None else f" of {stent.device.name}"
+    return (
+        f"Proposed{device}: balloon {balloon.diameter:.1f} mm, lumen {stent.diameter:.2f} mm, "
+        f"nominal length {stent.length:g} mm ({suggestion.deployed_length:.1f} mm deployed)."
+    )
 
 
 def _product_sentences(stent: Stent, devices: Sequence[Device]) -> list[str]:

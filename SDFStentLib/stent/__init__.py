@@ -5,6 +5,7 @@ from .balloon import USUAL_RECOIL as USUAL_RECOIL
 from .balloon import WIDE_BALLOON as WIDE_BALLOON
 from .balloon import Balloon as Balloon
 from .balloon import balloon_by_rule as balloon_by_rule
+from .balloon import balloon_leaving as balloon_leaving
 from .device import Device as Device
 from .lattice import LatticeDesign as LatticeDesign
 from .lattice import design_of as design_of

@@ -93,6 +93,29 @@ def balloon_by_rule(diameter: float, native_lumen: float) -> Balloon:
     return Balloon(diameter, USUAL_RECOIL, usual)
 
 
+def balloon_leaving(lumen: float, native_lumen: float, decimals: int | None = None) -> Balloon:
+    """The balloon that leaves a lumen when it recoils by the rule.
+
+    Parameters
+    ----------
+    lumen : float
+        That it shall leave, mm.
+    native_lumen : float
+        As of `balloon_by_rule`.
+    decimals : int, optional
+        To which the diameter of the balloon, mm, is rounded; it leaves about the lumen then.
+    """
+
+    def losing(recoil: float) -> Balloon:
+        diameter = lumen / (1.0 - recoil)
+        rounded = diameter if decimals is None else round(diameter, decimals)
+        return balloon_by_rule(rounded, native_lumen)
+
+    usual = losing(USUAL_RECOIL)
+    # A wider one recoils no less.
+    return usual if usual.recoil_fraction == USUAL_RECOIL else losing(RAISED_RECOIL)
+
+
 def check_lumen(balloon: Balloon, diameter: float) -> None:
     """Refuse a lumen, mm, that is not the one that a balloon leaves; `InputError`."""
     left = balloon.lumen_diameter

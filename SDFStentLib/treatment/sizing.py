@@ -18,14 +18,12 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import Centerline
 from ..stent import (
-    RAISED_RECOIL,
-    USUAL_RECOIL,
     AtCenter,
     Balloon,
     Device,
     Stent,
     StentAxis,
-    balloon_by_rule,
+    balloon_leaving,
     stent_axis,
 )
 from ..validation import InputError, as_number, printable
@@ -156,7 +154,7 @@ def suggested(
         Sizes that the device rules out, or one that would leave a part of the lesion uncovered.
     """
     lumen = wishes.ratio * beside_lesion(lesion).narrowest
-    balloon = _balloon(lumen, lesion.minimum_diameter)
+    balloon = balloon_leaving(lumen, lesion.minimum_diameter, decimals=1)
     stent = _sized(balloon, lesion, number, wishes)
     assert stent.length is not None
     place = placement_at(lesion, centerline, stent.length, stent.foreshortening)
@@ -171,15 +169,6 @@ def suggested(
         )
     ratios = size_ratios(lesion, balloon.lumen_diameter, balloon.diameter)
     return Suggestion(number, lesion, stent, axis, ratios, wishes.rule)
-
-
-def _balloon(lumen: float, native: float) -> Balloon:
-    """The balloon that leaves about a lumen, to a tenth of a millimeter."""
-    usual = balloon_by_rule(round(lumen / (1.0 - USUAL_RECOIL), 1), native)
-    if usual.recoil_fraction == USUAL_RECOIL:
-        return usual
-    # A wider one recoils no less.
-    return balloon_by_rule(round(lumen / (1.0 - RAISED_RECOIL), 1), native)
 
 
 def _sized(balloon: Balloon, lesion: Lesion, number: int, wishes: SizingWishes) -> Stent:
