@@ -10,6 +10,8 @@ from child_processes import PROJECT
 
 sys.path.insert(0, str(PROJECT))
 
+from benchmarks.trees import treated
+from benchmarks.trees.case import Case, save
 from benchmarks.trees.judge import Told, judged
 from benchmarks.trees.layout import Tree
 from benchmarks.trees.narrowing import Narrowing, narrowed, narrowings
@@ -190,6 +192,19 @@ def test_verdicts(halved, lesions, words):
     (verdict,), invented = judged(*after, found, given)
     assert verdict.words == words
     assert len(invented) == sum(at == 50.0 for at, _, _ in lesions)
+
+
+def test_a_treatment_is_judged_by_what_is_left_in_the_surface(halved, tmp_path):
+    (tree, wall), found = halved
+    facts = {"number": 0, "wander": 0.0, "has_radius": True}
+    save(Case("0000", tree, wall, found, facts), tmp_path / "0000")
+    (one,) = treated.of_case(tmp_path / "0000")
+    assert (one["failure"], one["is_certified"]) == ("", True)
+    assert list(treated.sentences([one])) == []
+    assert "1 of 1" in treated.table([one])
+    assert abs(one["lumen"]) < 1
+    (said,) = treated.sentences([{**one, "lesion": 6.0}])
+    assert said == "0000, narrowing 0 (focal): lesion after, points: +6.0"
 
 
 # What vessels are called -------------------------------------------------------------------------

@@ -1,13 +1,14 @@
 """Narrowings of known place and depth in trees of 20 to 100 outlets: are they told as they are?
 
     python -m benchmarks.trees [--count 125] [--first 0] [--seed 1] [--only SHAPE] [--pressed]
-                               [--jobs 2] [--save FOLDER | --cases FOLDER] [--command] [--quick]
-                               [--json FILE]
+                               [--jobs 2] [--save FOLDER | --cases FOLDER [--treat]] [--command]
+                               [--quick] [--json FILE]
 
 A tree has up to four narrowings, every tenth none. Told as it is: once, its narrowest place within
 3 mm, its minimum within 3 %, its percent by diameter within 5 points. Every tree is made anew
 unless --cases names a folder that --save filled; with --pressed narrowings are pressed into the
-surfaces of patients instead. `truth.py` says how the truth is measured.
+surfaces of patients instead. With --treat each narrowing is treated, and what is told of the result
+is judged. `truth.py` says how the truth is measured.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from pathlib import Path
 
 from ..common import load_average, progress
 from ..sweep import DATA_FOLDER
+from . import treated
 from .bench import COUNT, SEED, of_case, of_number, sentences, summary, table
 from .case import NONE
 from .narrowing import SHAPES
@@ -28,12 +30,13 @@ from .narrowing import SHAPES
 
 def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=COUNT, help="trees")
+    parser.add_argument("--count", type=int, help=f"trees; {COUNT}, or all that are saved")
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--only", choices=(*SHAPES, NONE), metavar="SHAPE", help=", ".join(SHAPES))
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--save", type=Path, metavar="FOLDER", help="keep the cases here")
     parser.add_argument("--cases", type=Path, metavar="FOLDER", help="judge what --save kept")
+    parser.add_argument("--treat", action="store_true", help="judge what is told after treatment")
     parser.add_argument("--first", type=int, default=0, help="number of the first tree")
     parser.add_argument("--pressed", action="store_true", help="into the surfaces of patients")
     parser.add_argument("--command", action="store_true", help="ask the installed command")
@@ -46,10 +49,9 @@ def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
 def cases(chosen: argparse.Namespace) -> Iterator[dict]:
     """What is found in every case, in order."""
     if chosen.cases is not None:
-        folders = sorted(path.parent for path in chosen.cases.glob("*/truth.json"))
-        work, calls = of_case, [(folder, chosen.command) for folder in folders]
+        work, calls = of_case, [(folder, chosen.command) for folder in saved(chosen)]
     else:
-        work, count = of_number, 1 if chosen.quick else chosen.count
+        work, count = of_number, 1 if chosen.quick else chosen.count or COUNT
         calls = [
             (
                 chosen.seed,
@@ -69,8 +71,30 @@ def cases(chosen: argparse.Namespace) -> Iterator[dict]:
         yield from workers.map(work, *zip(*calls, strict=True))
 
 
+def saved(chosen: argparse.Namespace) -> list[Path]:
+    """The folders of saved cases from the first on, in order."""
+    found = sorted(path.parent for path in chosen.cases.glob("*/truth.json"))[chosen.first :]
+    return found[: chosen.count]
+
+
+def treat(chosen: argparse.Namespace) -> None:
+    """Treat the narrowings of saved cases, and say how rightly the results are told."""
+    done = []
+    with ProcessPoolExecutor(chosen.jobs) as workers:
+        for found in workers.map(treated.of_case, saved(chosen)):
+            done += found
+            for line in treated.sentences(found):
+                progress(line)
+    print(treated.table(done))
+    if chosen.json:
+        chosen.json.write_text(json.dumps(done, indent=1) + "\n", encoding="utf-8")
+
+
 def main() -> None:
     chosen = options()
+    if chosen.treat:
+        treat(chosen)
+        return
     before = load_average()
     judged = []
     for one in cases(chosen):

@@ -28,7 +28,7 @@ def of_case(folder: Path, by_command: bool = False) -> Found:
     """What the product tells of a saved case, judged."""
     tree, truths, facts = load(folder)
     answer = asked(folder, by_command)
-    verdicts, invented = judged(tree, read_wall(folder), truths, answer.told)
+    verdicts, invented = judged(tree, read_wall(folder / "surface.vtp"), truths, answer.told)
     return {
         "case": folder.name, "facts": facts, "failure": answer.failure,
         "seconds": round(answer.seconds, 3), "told": len(answer.told), "invented": invented,

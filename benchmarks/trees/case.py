@@ -116,13 +116,13 @@ def load(folder: Path) -> tuple[Tree, list[Truth], dict[str, Any]]:
     return tree, known, document
 
 
-def read_wall(folder: Path) -> Wall:
-    """The surface of a saved case."""
+def read_wall(path: Path) -> Wall:
+    """A surface of triangles from a VTP file, as wall."""
     import vtk
     from vtk.util.numpy_support import vtk_to_numpy
 
     reader = vtk.vtkXMLPolyDataReader()
-    reader.SetFileName(str(folder / "surface.vtp"))
+    reader.SetFileName(str(path))
     reader.Update()
     data = reader.GetOutput()
     points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)

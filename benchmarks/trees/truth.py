@@ -78,6 +78,10 @@ class Spheres:
         near = corners[apart < reach]
         self._covers = [cKDTree(_cover(near, apart)) for apart in _COVERS]
 
+    def radius_at(self, place: np.ndarray) -> float:
+        """Of the largest sphere about a place that lies inside."""
+        return float(self._covers[0].query(place)[0])
+
     def across(self, place: np.ndarray, way: np.ndarray, within: float) -> tuple[np.ndarray, float]:
         """Center and radius of the largest sphere centered in a disk; the disk lies inside."""
         first = np.cross(way, np.eye(3)[np.argmin(np.abs(way))])
