@@ -502,6 +502,13 @@ def test_a_narrowing_at_an_ostium_costs_from_the_vessel_above_on(a_fork):
     alone, whole = model.answer(after, lines).after["mean"].drops
     # Its lowest pressure lies below that in the vessel above by what the narrow one's speed holds.
     assert whole.maximal.value > 3 * alone.maximal.value
+    # Out of a vessel as narrow, which has twice the flow: the pressure there is low already.
+    narrowed = [
+        one._replace(inscribed=0 * one.inscribed + even[0], section=even[0] + 0 * one.section)
+        for one in channels
+    ]
+    (drop,) = model.answer(narrowed, lines[1:]).after["mean"].drops
+    assert drop.maximal.value >= drop.recovered.value > 0
     assert model.answer(None, [Part("all", branch.points, 1e6)]).before["mean"].drops
 
 

@@ -32,7 +32,8 @@ class Drop(NamedTuple):
     that comes in would lose anyway is of the narrowing before; a part that spares some of that
     costs nothing."""
     maximal: float
-    """Of the static pressure from its start to its lowest place."""
+    """Of the static pressure from its start to its lowest place, and no less than the recovered one:
+    a fast stream at the start, as in front of an ostium, has a lower pressure there already."""
 
 
 class Part(NamedTuple):
@@ -127,7 +128,7 @@ def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
     below = np.concatenate(static)
     left = [_left_in_jet(pieces[end], end, network, flow) for end in (0, -1)]
     recovered = max(total + left[1] - left[0], min(total, 0.0))
-    return Drop(recovered, float((below - below[0]).max()))
+    return Drop(recovered, max(float((below - below[0]).max()), recovered))
 
 
 def _between(values: Floats, start: float, end: float) -> Floats:
