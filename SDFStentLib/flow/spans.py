@@ -32,8 +32,8 @@ class Drop(NamedTuple):
     that comes in would lose anyway is of the narrowing before; a part that spares some of that
     costs nothing."""
     maximal: float
-    """Of the static pressure from its start to its lowest place, and no less than the recovered one:
-    a fast stream at the start, as in front of an ostium, has a lower pressure there already."""
+    """Of the static pressure from its start to its lowest place, no less than the recovered one: a
+    fast stream at the start, as in front of an ostium, has a lower pressure there already."""
 
 
 class Part(NamedTuple):
