@@ -14,6 +14,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import slicer
+from trame_rca.encoders import RcaImageEncoder
 from trame_server.utils.namespace import Translator
 
 from SDFStentLib.files import write_bytes
@@ -376,6 +377,15 @@ class Page:
             with self.server.state as state:
                 state.isSaving = False
         return Kept(*NAMES[kind], content)
+
+    def picture(self) -> None:
+        """What the view shows, for the browser to keep."""
+        self._later(self._drawn())
+
+    async def _drawn(self) -> Kept:
+        encode, quality = RcaImageEncoder.PNG.encode, 100
+        content, _about, _time = await asyncio.to_thread(encode, *self.view.picture(), quality)
+        return Kept("view.png", "image/png", content)
 
     def gather(self, name: str) -> None:
         """What a button of the panel writes, for the browser to keep; where that is a folder, a second click stops it."""

@@ -79,7 +79,7 @@ another one. One that fails at once is not loaded again and again.
 
 TRIGGERS = (
     *("click", "edit", "key", "ask", "choose", "open", "upload", "demo"),
-    *("save", "gather", "fetch"),
+    *("save", "picture", "gather", "fetch"),
 )
 """Methods of the page that the browser calls."""
 
@@ -95,6 +95,7 @@ def build(page: Any) -> None:
         server.trigger(name)(getattr(page, name))
     server.trigger("theme")(page.view.paint)
     server.trigger("fit")(page.view.look_at_all)
+    server.trigger("look_from")(page.view.look_from)
     panel = template.markup(page.panel.top)
     with DivLayout(server) as layout:
         layout.root.classes = "page"
@@ -117,7 +118,7 @@ def build(page: Any) -> None:
                     send_mouse_move=True,
                     event_throttle_ms=(str(EVENT_EVERY_MS),),
                 )
-                html.Div(template.AT_HAND + template.FIT, classes="over")
+                html.Div(template.AT_HAND + template.bar(), classes="over")
             html.Div(template.DIAMETERS)
 
 

@@ -11,6 +11,7 @@ from .files import SURFACES
 from .selectors import NEW, NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
 from .ui_file import Arranged, Placed
+from .view import SIDES
 from .widgets import (
     Button,
     CheckBox,
@@ -279,9 +280,18 @@ AT_HAND = """
 <div v-for="line in atHand.lines">{{ line }}</div></div>
 """
 
-FIT = """
-<button type="button" class="fit" title="See the whole vessel" @click="trigger('fit')" data-name="fitButton">Fit</button>
-"""
+def bar() -> str:
+    """What can be done with the view."""
+    sides = "".join(
+        f'<button type="button" title="View from {side.lower()}" aria-label="View from {side.lower()}" '
+        f"""data-name="from{side}" @click="trigger('look_from', ['{side}'])">{side[0]}</button>"""
+        for side in SIDES
+    )
+    return f'''<div class="bar" role="toolbar" aria-label="View">
+<button type="button" title="See the whole vessel" @click="trigger('fit')" data-name="fitButton">Fit</button>{sides}
+<button type="button" title="Keep what the view shows as a picture" @click="trigger('picture')" data-name="pictureButton">\
+Save picture</button></div>'''
+
 
 DIAMETERS = """
 <div class="results"><div class="tiles" v-memo="[tiles]" data-name="tiles" role="region" aria-label="Result" tabindex="0">

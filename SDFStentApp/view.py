@@ -30,6 +30,9 @@ FILLED = 0.92
 NEAR_PX = 24.0
 """A click so near to the centerline is meant for it."""
 
+SIDES = ("Anterior", "Posterior", "Left", "Right", "Superior", "Inferior")
+"""Of the patient, as Slicer calls them: the scene has the patient's axes, whatever those of the files are."""
+
 BACKGROUNDS = {
     "light": ((0.97, 0.97, 0.98), (0.86, 0.89, 0.93)),
     "dark": ((0.10, 0.11, 0.13), (0.16, 0.18, 0.22)),
@@ -46,6 +49,8 @@ class View(ThreeDView):
         self.node.SetAxisLabelsVisible(False)
         self.node.SetOrientationMarkerType(self.node.OrientationMarkerTypeAxes)
         self.node.SetOrientationMarkerSize(self.node.OrientationMarkerSizeSmall)
+        self.node.SetRenderMode(self.node.Orthographic)  # else a scale is true at one depth only
+        self.node.SetRulerType(self.node.RulerTypeThin)
         self.area = _Area(self.window, on_click, self.look_at_all)
         self._frames: Frames | None = None
 
@@ -76,9 +81,11 @@ class View(ThreeDView):
 
     def paint(self, theme: str) -> None:
         """The background for a `light` or a `dark` page."""
-        below, above = BACKGROUNDS["dark" if theme == "dark" else "light"]
+        isDark = theme == "dark"
+        below, above = BACKGROUNDS["dark" if isDark else "light"]
         self.node.SetBackgroundColor(*below)
         self.node.SetBackgroundColor2(*above)
+        self.node.SetRulerColor(self.node.RulerColorWhite if isDark else self.node.RulerColorBlack)
 
     def look_at_all(self) -> None:
         """Show everything from the front, as Slicer does."""
@@ -88,6 +95,17 @@ class View(ThreeDView):
         self.renderer.ResetCameraScreenSpace(FILLED)
         self.renderer.ResetCameraClippingRange()
         self.draw()
+
+    def look_from(self, side: str) -> None:
+        """Show what is in the middle now from one of the `SIDES`."""
+        if side in SIDES:
+            self._camera().RotateTo(getattr(slicer.vtkMRMLCameraNode, side))
+            self.renderer.ResetCameraClippingRange()
+            self.draw()
+
+    def picture(self) -> tuple[np.ndarray, int, int]:
+        """Colors (rows, columns, 3), columns and rows of what is seen."""
+        return self.area.picture(isCoarse=False)
 
     def _camera(self) -> Any:
         manager = self.group.GetDisplayableManagerByClassName("vtkMRMLCameraDisplayableManager")

@@ -229,6 +229,12 @@ class Visit:
             self.page.wait_for_timeout(200)
         raise AssertionError("there is nothing of that color")
 
+    def picture(self):
+        """What is seen of the vessel in the picture of the view that the browser keeps, (rows, columns)."""
+        picture = Image.open(io.BytesIO(self.saved("pictureButton"))).convert("RGB")
+        red, _, blue = np.moveaxis(np.array(picture, dtype=int), 2, 0)
+        return red > blue + 20
+
     def center(self):
         """Where the one stent of the plan is, in RAS."""
         placed, turn = self.placed()
@@ -349,6 +355,8 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     for name, inside in clicks:  # and a drag: from the vessel to the result
         one = visit.named(name)
         (one.locator(inside).first if inside else one).click()
+        if name == "suggestButton":  # what is beneath moves down by a row
+            playwright.expect(visit.named("stentTable").locator("tbody tr")).to_have_count(2)
     box = visit.slider("diameterSlider").bounding_box()
     middle = box["y"] + box["height"] / 2
     visit.page.mouse.move(box["x"] + 0.3 * box["width"], middle)
@@ -366,6 +374,15 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     visit.named("lesionTable").locator("td").first.click()
     visit.seen(is_selected_lesion)
     visit.named("fitButton").click()
+    sides = []
+    for side in ("fromAnterior", "fromPosterior", "fromLeft"):
+        visit.named(side).click()
+        sides.append(visit.picture())
+    screen = visit.page.locator(".screen").bounding_box()
+    assert sides[0].shape == (screen["height"], screen["width"])
+    assert sides[0].sum() > 1000
+    behind = sides[1][:, ::-1]  # nothing is nearer, so nothing looks larger
+    assert (sides[0] ^ behind).mean() < 0.02 < (sides[0] ^ sides[2]).mean()
     visit.context.close()
     assert visit.errors == []
 

@@ -30,8 +30,8 @@ STRUT_WIDTH = 3
 OLD_OPACITY = 0.25
 """Of a plot."""
 
-VIEW_LENGTHS, VIEW_DIAMETERS = 2.5, 8.0
-"""So many times the length of a lesion or a stent, or the diameter of its vessel, are seen when it is gone to."""
+VIEW_LENGTHS, SMALLEST_VIEW = 3.0, 30.0
+"""So many times the length of a lesion or a stent are seen when it is gone to, and so many mm at least."""
 
 
 def outputModel(parameterNode, role, name, color):
@@ -317,6 +317,6 @@ def showPlace(point, size):
         camera.ResetClippingRange()
 
 
-def sizeRound(length, diameter):
+def sizeRound(length):
     """How much is to be seen of a lesion or a stent and of what lies beside it, mm."""
-    return max(VIEW_LENGTHS * length, VIEW_DIAMETERS * diameter)
+    return max(VIEW_LENGTHS * length, SMALLEST_VIEW)

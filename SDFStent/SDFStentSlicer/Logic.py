@@ -268,7 +268,7 @@ class SDFStentLogic(
     @staticmethod
     def showLesion(lesion):
         """Center all views on a lesion."""
-        Display.showPlace(lesion.point, Display.sizeRound(lesion.length, lesion.reference_diameter))
+        Display.showPlace(lesion.point, Display.sizeRound(lesion.length))
 
     @staticmethod
     def showStent(parameterNode):
@@ -277,7 +277,7 @@ class SDFStentLogic(
         points = [] if stent.handle is None else Conversion.placedPoints(stent.handle)
         if len(points):
             length = max(Sizes.lengthOf(stent), float(np.linalg.norm(np.ptp(points, axis=0))))
-            Display.showPlace(np.mean(points, axis=0), Display.sizeRound(length, stent.diameter))
+            Display.showPlace(np.mean(points, axis=0), Display.sizeRound(length))
 
     showPlot = staticmethod(Showing.showPlot)
     showTable = staticmethod(Showing.showTable)

@@ -52,7 +52,7 @@ def test_a_click_goes_to_the_lesion_in_slices_and_3d(host, theInputs, aScene):
     np.testing.assert_allclose(way / np.linalg.norm(way), [1, 0, 0], atol=1e-9)
     # All of it is seen, and it is a good part of the view, whose angle is from bottom to top.
     height = 2 * np.linalg.norm(way) * np.tan(np.radians(camera.GetViewAngle() / 2))
-    assert 1.5 * lesion.length < height < 12 * lesion.reference_diameter + 3 * lesion.length
+    assert height == pytest.approx(max(3 * lesion.length, 30.0))
     middle = [sliceNode.GetSliceToRAS().GetElement(row, 3) for row in range(3)]
     np.testing.assert_allclose(middle, lesion.point, atol=1e-6)
     camera.SetFocalPoint(9.0, 9.0, 9.0)
