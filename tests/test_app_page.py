@@ -230,7 +230,7 @@ class Visit:
         raise AssertionError("there is nothing of that color")
 
     def picture(self):
-        """What is seen of the vessel in the picture of the view that the browser keeps, (rows, columns)."""
+        """Where the vessel is seen in the picture of the view, (rows, columns)."""
         picture = Image.open(io.BytesIO(self.saved("pictureButton"))).convert("RGB")
         red, _, blue = np.moveaxis(np.array(picture, dtype=int), 2, 0)
         return red > blue + 20
