@@ -280,6 +280,7 @@ AT_HAND = """
 <div v-for="line in atHand.lines">{{ line }}</div></div>
 """
 
+
 def bar() -> str:
     """What can be done with the view."""
     sides = "".join(
@@ -287,10 +288,10 @@ def bar() -> str:
         f"""data-name="from{side}" @click="trigger('look_from', ['{side}'])">{side[0]}</button>"""
         for side in SIDES
     )
-    return f'''<div class="bar" role="toolbar" aria-label="View">
+    return f"""<div class="bar" role="toolbar" aria-label="View">
 <button type="button" title="See the whole vessel" @click="trigger('fit')" data-name="fitButton">Fit</button>{sides}
 <button type="button" title="Keep what the view shows as a picture" @click="trigger('picture')" data-name="pictureButton">\
-Save picture</button></div>'''
+Save picture</button></div>"""
 
 
 DIAMETERS = """
