@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from child_processes import COMMAND, PATIENCE, PROJECT, begun, installed
 
-from SDFStentLib.cli import main
 from SDFStentLib.files import read_volume
 from SDFStentLib.files.formats import encode_vtu
 from SDFStentLib.phantoms import branching_pulmonary_artery
@@ -106,8 +105,10 @@ def arguments_of(command: str) -> list[str]:
 @pytest.fixture(scope="module")
 def prepared(tmp_path_factory):
     """The files that the documents name: the patient of the demo, and one with four lesions."""
-    made = tmp_path_factory.mktemp("documents")
-    assert main(["demo", "-o", str(made), "--quiet"]) == 0
+    place = tmp_path_factory.mktemp("documents")
+    done = installed("demo", folder=place)
+    assert done.returncode == 0, done.stderr
+    made = place / "sdfstent-demo"
     for name, same in (
         ("wall.vtp", "surface.vtp"),
         ("vessel.vtp", "surface.vtp"),
@@ -176,12 +177,14 @@ def assert_asks_for_vmtk(folder, arguments, run):
     assert "pip install" in done.stderr
 
 
-def assert_starts_and_ends(folder, arguments, _):
-    """A page is offered, on a port that is free, until Ctrl-C."""
-    pytest.importorskip("trame")
-    if "--port" in arguments:
-        arguments[arguments.index("--port") + 1] = "0"
-    process = begun(COMMAND, *arguments, *({"--no-browser"} - {*arguments}), folder=folder)
+def assert_starts_and_ends(folder, arguments, run):
+    """A page is offered, on a port that is free, until Ctrl-C; but once no page needs to come."""
+    serving = pytest.importorskip("SDFStentApp.serving")
+    if run is not installed:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(serving, "serve", lambda settings, _: print(settings.told))
+            return assert_runs(folder, arguments, run)
+    process = begun(COMMAND, *arguments, "--no-browser", folder=folder)
     line = process.stdout.readline()
     process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=PATIENCE)
@@ -221,30 +224,34 @@ OTHERWISE = {
     "centerline": assert_asks_for_vmtk,
     # Somebody looks at the page as long as they like.
     "app": assert_starts_and_ends,
+    # All others run in the folder that it has made.
+    "demo": lambda folder, *_: None,
     # No cluster has that address.
     "--scheduler": assert_runs_on_a_cluster,
 }
 """Commands that cannot just be run everywhere, why, and how they are run instead."""
 
 
-ALIKE = ("run", "centerline", "demo")
-"""Of these commands the place of the outputs is written last, and read by no other command."""
+SAME = {"-o": 2, "--workers": 2, "--no-run": 1}
+"""Options that make no other command, and how many words they are."""
+
+
+def told(arguments: list[str]) -> str:
+    """A command without where its outputs go, and without who carries it out."""
+    if not arguments:
+        return ""
+    count = SAME.get(arguments[0], 0)
+    return told(arguments[count:]) if count else f"{arguments[0]} {told(arguments[1:])}"
 
 
 def commands_by_document() -> dict[str, list[list[str]]]:
-    """The arguments of each command with the first document that shows it.
-
-    What differs only in where the outputs go is one command.
-    """
+    """The arguments of each command with the first document that shows it."""
     first: dict[str, tuple[str, list[str]]] = {}
     for path in DOCUMENTS:
         for line in command_lines(path.read_text(encoding="utf-8")):
             for command in variants(line):
                 arguments = arguments_of(command)
-                told = " ".join(arguments)
-                if arguments[0] in ALIKE:
-                    told = told.partition(" -o ")[0]
-                first.setdefault(told, (path.name, arguments))
+                first.setdefault(told(arguments), (path.name, arguments))
     names = [name for name, _ in first.values()]
     return {name: [one for where, one in first.values() if where == name] for name in names}
 
