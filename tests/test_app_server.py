@@ -219,14 +219,6 @@ def test_a_server_that_is_killed_leaves_no_page_and_the_next_one_opens_the_brows
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["no.vtp"], "no.vtp: expected a file, got none"),
-        (["--folder", "nowhere"], "nowhere: expected a folder, got none"),
-        (["--centerline", "c.vtp"], "expected a surface beside it"),
-        (["--units", "cm"], "--units: expected a surface beside it, got none"),
-        (["tube.vtp", "--demo"], "expected no file beside it"),
-        (["--port", "70000"], "expected 0 to 65535, got 70000"),
-        (["--pages", "0"], "expected at least 1, got 0"),
-        (["--keep", "-1"], "expected 0 to 86400 s, got -1"),
         (["--plans", "/dev/null/x"], "--plans: expected a folder that can be made, got"),
         (["--host", "256.1.1.1", "--no-browser"], "expected an address that is free"),
     ],
@@ -236,12 +228,6 @@ def test_what_cannot_be_served_is_refused_in_a_sentence(a_folder, capsys, argume
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("sdfstent app: ")
     assert sentence in line
-
-
-def test_a_plan_that_is_none_is_refused_before_anything_is_started(a_folder, capsys):
-    Path("plan.json").write_text("{}", encoding="utf-8")
-    assert main(["app", "plan.json"]) == 2
-    assert "plan.json" in capsys.readouterr().err
 
 
 def test_without_the_extra_it_says_what_to_install(capsys, monkeypatch):

@@ -13,8 +13,6 @@ from child_processes import PROJECT
 from tube_files import INPUTS, plan_of, write_tube
 
 from SDFStentLib.cli import main
-from SDFStentLib.files import encode_vtp, polydata_from_arrays
-from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import compare, load_plan
 from SDFStentLib.report import comparison_document, comparison_page, comparison_pictures
 from SDFStentLib.report.picture import painting
@@ -199,36 +197,6 @@ def test_nothing_is_written_when_every_plan_fails(a_folder, capsys):
     names = written(a_folder, a=outside, b=outside)
     assert main(["compare", *names, "-o", "out"]) == 2
     assert "None of the plans could be carried out; a: " in capsys.readouterr().err
-    assert not (a_folder / "out").exists()
-
-
-def other_surface(folder):
-    tube = straight_tube()
-    data = encode_vtp(polydata_from_arrays(tube.points / 10, tube.triangles))
-    (folder / "other.vtp").write_bytes(data)
-    return {**PLANS["one"], "inputs": {**INPUTS, "surface": {"file": "other.vtp"}}}
-
-
-def other_root(folder):
-    return {**PLANS["one"], "inputs": {**INPUTS, "root": [0, 0, 4]}}
-
-
-@pytest.mark.parametrize(
-    ("other", "sentence"),
-    [
-        (None, "expected two or more plans to compare, got 1"),
-        (other_surface, "one and other: expected plans of one surface in one unit"),
-        (other_root, "one and other: expected plans with one centerline, root and reference"),
-    ],
-)
-def test_what_cannot_be_compared_is_said_and_nothing_written(a_folder, capsys, other, sentence):
-    plans = {"one": PLANS["one"]}
-    if other is not None:
-        plans["other"] = other(a_folder)
-    assert main(["compare", *written(a_folder, **plans), "-o", "out"]) == 2
-    said = capsys.readouterr().err
-    assert sentence in said
-    assert said.count("\n") == 1
     assert not (a_folder / "out").exists()
 
 

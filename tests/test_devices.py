@@ -108,9 +108,6 @@ def test_a_name_is_found_in_any_case_and_near_ones_are_offered():
         device_named("x")
 
 
-# ---- length over diameter
-
-
 # ---- what is refused
 
 

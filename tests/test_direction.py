@@ -61,8 +61,6 @@ def test_measure_names_the_root_and_how_to_name_another(tube, capsys):
     assert "Proximal is the end at (0, 0, 40) mm; --root X Y Z" in capsys.readouterr().out
     assert main([*arguments, "--root", "0", "0", "1"]) == 0
     assert "Proximal is the end at (0, 0, 0) mm" in capsys.readouterr().out
-    assert main(["measure", "x", "--axis", "y", "--root", "0", "0", "1"]) == 2
-    assert "expected --centerline FILE with --root" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", list(ANATOMIES))

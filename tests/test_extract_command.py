@@ -191,28 +191,6 @@ def test_branches_are_kept_or_closed(data_dir, tmp_path, capsys):
     assert capsys.readouterr().err == ""
 
 
-BAD = {
-    "no end": (["--from", "0", "0", "1"], [], "the following arguments are required: --to"),
-    "one place": ([*ENDS[:4], "--to", "0", "0", "0.8"], [], "expected two places apart"),
-    "millimeters": (["--from", "0", "0", "8", "--to", "0", "0", "32"], [], "their unit (mm, cm)"),
-    "beside": (["--from", "2", "0", "1", "--to", "0", "0", "3"], [], "got one 20.0 mm from its"),
-    "no number": (["--from", "nan", "0", "1", *ENDS[4:]], [], "--from: expected three finite"),
-    "no file after": (ENDS, ["--after", "none.vtp"], "none.vtp: no such file"),
-    "output in input": (ENDS, ["-o", "tube.vtp"], "expected a folder, got a file"),
-}
-
-
-@pytest.mark.parametrize("name", BAD)
-def test_bad_input_is_a_sentence_and_nothing_is_written(a_folder, capsys, name):
-    ends, more, words = BAD[name]
-    assert extract(*more, ends=ends) == 2
-    error = capsys.readouterr().err
-    assert words in error
-    assert error.startswith("sdfstent extract: ")
-    assert error.count("\n") == 1
-    assert not Path("seg").exists()
-
-
 def meshed(surface):
     tetgen = pytest.importorskip("tetgen")
     mesher = tetgen.TetGen(surface.points, surface.triangles.astype(np.int32))

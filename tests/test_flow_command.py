@@ -90,31 +90,6 @@ def test_without_a_plan_and_pressures_only_drops_before_are_told(flow, capsys):
     assert "Without pressures the split is as given" in said
 
 
-@pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        ((), "expected --mean-flow Q"),
-        (("--mean-flow", "50"), "--mean-flow: expected a flow with its unit"),
-        (("--mean-flow=-5mL/s",), "greater than 0"),
-        (("--mean-flow", "-.5L/min"), "greater than 0"),
-        (("--mean-flow", "-3"), "such as 41.7mL/s or 2.5L/min, got '-3'"),
-        (("--mean-flow", "50mL/s", "--wedge", "5"), "that of the wedge alone"),
-        (
-            ("--mean-flow", "200mL/s", "--inlet-pressure", "13", "--wedge", "12.9"),
-            "expected more than the vessel itself costs",
-        ),
-        (("--mean-flow", "50mL/s", "--wave", "none.csv"), "none.csv"),
-        (("--mean-flow", "50mL/s", "--report", "f.txt"), "f.txt"),
-    ],
-)
-def test_bad_input_is_a_sentence_and_nothing_is_written(flow, capsys, more, words):
-    assert flow(*more, "--json", "f.json") == 2
-    error = capsys.readouterr().err
-    assert words in error
-    assert error.count("\n") == 1
-    assert not list(Path().iterdir())
-
-
 def test_a_solver_that_dies_leaves_nothing(flow, capsys, monkeypatch):
     monkeypatch.setattr("SDFStentLib.plan.run.has_svzerod", lambda: True)
     monkeypatch.setattr("SDFStentLib.flow.svzerod._RUN", "import os; os._exit(9)")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from cohort_cases import document, tube_folder, write_sweep
 from test_devices import ROW, SHORT, a_table
+from tube_files import INPUTS
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
@@ -60,6 +61,12 @@ def made(folder):
     shutil.copy(folder / "thin.json", folder / "same.json")
     plan = document()["plan"] | {"flow": {"mean": 1, "peak": HUGE}}
     (folder / "flow.json").write_text(json.dumps(plan), encoding="utf-8")
+    for name, other in {
+        "wall": {"surface": {"file": "healthy.vtp"}},
+        "root": {"root": [0, 0, 4]},
+    }.items():
+        plan = document()["plan"] | {"inputs": INPUTS | other}
+        (folder / f"{name}.json").write_text(json.dumps(plan), encoding="utf-8")
 
 
 def bad_files(folder):
@@ -74,6 +81,7 @@ def bad_files(folder):
     shifted = vessel.centerline.points / 10 + np.array([20.0, 0, 0])
     for name, data in (
         ("nan", broken),
+        ("wider", polydata_from_arrays(vessel.points / 10 * [1.3, 1.3, 1], vessel.triangles)),
         ("one", polydata_from_lines(one, [np.arange(2)])),
         ("away", polydata_from_lines(shifted, [np.arange(len(shifted))])),
         (
@@ -97,6 +105,9 @@ FLOW = "peak flow: expected a number greater than 0 and at most 10000 (mL/s), go
 DEVICE = "--device-table own.json"
 SUGGEST = f"suggest tube.vtp --units cm {CENTERLINE}"
 MEASURE = "measure tube.vtp --units cm"
+EXTRACT = f"extract tube.vtp --units cm {CENTERLINE} -o seg"
+FLOWING = f"flow tube.vtp --units cm {CENTERLINE} --json f.json"
+SIMULATE = f"simulate tube.vtp --units cm {CENTERLINE} --after wider.vtp --mean-flow 20mL/s -o new"
 REFUSED = {
     # Surfaces and lines.
     deploy(surface="none.vtp"): "none.vtp: no such file",
@@ -180,6 +191,24 @@ REFUSED = {
     deploy("--export-0d nets"): "expected --mean-flow Q",
     deploy("--mean-flow 5mL/s", line="", place="--axis axis.vtp"): "flow: expected a centerline",
     deploy("--mean-flow 5mL/s --split-right 0.5"): "(--right X Y Z), or",
+    FLOWING: "expected --mean-flow Q",
+    f"{FLOWING} --mean-flow 50": "--mean-flow: expected a flow with its unit",
+    f"{FLOWING} --mean-flow=-5mL/s": "greater than 0",
+    f"{FLOWING} --mean-flow -.5L/min": "greater than 0",
+    f"{FLOWING} --mean-flow -3": "such as 41.7mL/s or 2.5L/min, got '-3'",
+    f"{FLOWING} --mean-flow 50mL/s --wedge 5": "that of the wedge alone",
+    f"{FLOWING} --mean-flow 200mL/s --inlet-pressure 13 --wedge 12.9": (
+        "expected more than the vessel itself costs"
+    ),
+    f"{FLOWING} --mean-flow 50mL/s --wave none.csv": "none.csv",
+    f"{FLOWING} --mean-flow 50mL/s --report f.txt": "f.txt",
+    "simulate tube.vtp -o new": "got no --after",
+    "simulate --read sim --after wider.vtp": "got --after, too",
+    f"{SIMULATE} --from 0 0 1": "got one; name both ends",
+    f"{SIMULATE} --after tube.vtp": "expected a wall that moved",
+    f"{SIMULATE} --mean-flow 0mL/s": "mean-flow",
+    f"{SIMULATE} --edges-round 2": "--edges-round",
+    f"{SIMULATE} --inlet-pressure 25 --wedge 8 --inlet-pressure 7": "contradict each other",
     # Lesions.
     deploy(place="--at-lesion 1"): "expected --length L (mm) with --at-lesion",
     deploy(place="--at-lesion 0 --length 9"): "--at-lesion: expected 1, as the vessel has",
@@ -207,7 +236,26 @@ REFUSED = {
     "run tube.vtp -o new": "tube.vtp: expected a",
     "run thin.json -o tube.vtp": "tube.vtp: expected a folder, got a file",
     "run thin.json -o a/b": "a/b: expected an existing folder",
+    "measure x --axis y --root 0 0 1": "expected --centerline FILE with --root",
     "compare thin.json -o out": "expected two or more plans to compare, got 1",
+    "compare thin.json wall.json -o out": "thin and wall: expected plans of one surface in one",
+    "compare thin.json root.json -o out": "expected plans with one centerline, root and reference",
+    f"{EXTRACT} --from 0 0 1": "the following arguments are required: --to",
+    f"{EXTRACT} --from 0 0 0.8 --to 0 0 0.8": "expected two places apart",
+    f"{EXTRACT} --from 0 0 8 --to 0 0 32": "their unit (mm, cm)",
+    f"{EXTRACT} --from 2 0 1 --to 0 0 3": "got one 20.0 mm from its",
+    f"{EXTRACT} --from nan 0 1 --to 0 0 3": "--from: expected three finite",
+    f"{EXTRACT} --from 0 0 1 --to 0 0 3 --after none.vtp": "none.vtp: no such file",
+    f"{EXTRACT} --from 0 0 1 --to 0 0 3 -o tube.vtp": "expected a folder, got a file",
+    "app no.vtp": "no.vtp: expected a file, got none",
+    "app --folder nowhere": "nowhere: expected a folder, got none",
+    "app --centerline c.vtp": "expected a surface beside it",
+    "app --units cm": "--units: expected a surface beside it, got none",
+    "app tube.vtp --demo": "expected no file beside it",
+    "app --port 70000": "expected 0 to 65535, got 70000",
+    "app --pages 0": "expected at least 1, got 0",
+    "app --keep -1": "expected 0 to 86400 s, got -1",
+    "app own.json": "own.json",
     "sweep": "expected one of SWEEP, --table DIR and --status DIR",
     "sweep sweep.json --table out": "expected one of SWEEP",
     "sweep sweep.json": "expected -o DIR",
@@ -264,6 +312,7 @@ def test_what_cannot_be_done_is_one_sentence_and_nothing_is_written(folder, comm
     before = sorted(folder.rglob("*"))
     done = shell(*shlex.split(command), folder=folder)
     assert (done.returncode, done.stdout) == (2, ""), done.stderr
+    assert done.stderr.startswith(f"sdfstent {command.split()[0]}: ")
     assert REFUSED[command] in done.stderr
     assert done.stderr.count("\n") == 1
     assert sorted(folder.rglob("*")) == before

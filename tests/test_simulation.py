@@ -546,35 +546,6 @@ def test_a_solver_that_dies_is_a_sentence_and_its_log_is_kept(
     assert not Path("sim/after/solver.log").exists()
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["simulate", "before.vtp", "-o", "new"], "got no --after"),
-        (["simulate", "--read", "sim", "--after", "after.vtp"], "got --after, too"),
-    ],
-)
-def test_words_that_do_not_go_together_are_a_sentence(folder, capsys, words, said):
-    assert main(words) == 2
-    assert said in capsys.readouterr().err
-    assert not Path("new").exists()
-
-
-@pytest.mark.parametrize(
-    ("more", "said"),
-    [
-        (["--from", "0", "0", "4"], "got one; name both ends"),
-        (["--after", "before.vtp"], "expected a wall that moved"),
-        (["--mean-flow", "0mL/s"], "mean-flow"),
-        (["--edges-round", "2"], "--edges-round"),
-        (["--inlet-pressure", "7"], "contradict each other"),
-    ],
-)
-def test_bad_input_is_a_sentence_and_nothing_is_written(folder, capsys, more, said):
-    assert simulate("--no-run", *more, out="new") == 2
-    assert said in capsys.readouterr().err
-    assert not Path("new").exists()
-
-
 def test_missing_meshers_are_named_before_anything_is_done(folder, monkeypatch, capsys):
     monkeypatch.setattr("SDFStentLib.simulation.mmg.shutil.which", lambda *_, **__: None)
     assert simulate("--no-run", out="new") == 2

@@ -107,9 +107,6 @@ def test_the_deployed_length_is_the_prescribed_one_or_is_said_to_be_shorter(at, 
     assert (np.diff(axis.points[:, 2]) < 0).all()
 
 
-# ---- junctions
-
-
 # ---- what is said
 
 
@@ -192,9 +189,6 @@ def test_a_piece_that_points_back_turns_round_and_a_closed_line_is_refused():
     assert straight_way(Line(back)).at(1.0).length == pytest.approx(13.0)
     with pytest.raises(InputError, match="expected two ends apart to straighten it"):
         straight_way(Line(back[[0, 1, 0]])).at(0.5)
-
-
-# ---- values
 
 
 # ---- degenerate and wrong input
