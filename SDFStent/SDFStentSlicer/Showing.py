@@ -35,7 +35,7 @@ def inOneColor(vessel, centerline):
 def isShown(node, segmentID=""):
     """Whether a node can be seen; None for one that nothing shows, and for a segment that is gone."""
     display = node.GetDisplayNode()
-    if display is None or not _has(node, segmentID):
+    if display is None or not _hasSegment(node, segmentID):
         return None
     return bool(display.GetSegmentVisibility3D(segmentID) if segmentID else display.GetVisibility())
 
@@ -64,48 +64,60 @@ def changeBack(node, attribute, isVisible, segmentID=""):
         setShown(node, isVisible, segmentID)
 
 
-def _has(node, segmentID):
+def _hasSegment(node, segmentID):
     return not segmentID or node.GetSegmentation().GetSegment(segmentID) is not None
 
 
 def showPlot(parameterNode):
     """Show the chart in a layout that has a plot, and the 3D view as before."""
-    _change(slicer.modules.plots.logic().GetLayoutWithPlot, "SlicerLayoutConventionalPlotView")
-    slicer.modules.plots.logic().ShowChartInLayout(parameterNode.outputChart)
+    logic = slicer.modules.plots.logic()
+    _change("Plot", logic.GetLayoutWithPlot, "SlicerLayoutConventionalPlotView")
+    _showChart(parameterNode.outputChart)
 
 
 def showTable(parameterNode):
     """Show the table in a layout that has one, and the 3D view as before."""
-    _change(slicer.modules.tables.logic().GetLayoutWithTable, "SlicerLayoutFourUpTableView")
-    selection = slicer.app.applicationLogic().GetSelectionNode()
-    selection.SetActiveTableID(parameterNode.outputTable.GetID())
-    slicer.app.applicationLogic().PropagateTableSelection()
+    logic = slicer.modules.tables.logic()
+    _change("Table", logic.GetLayoutWithTable, "SlicerLayoutFourUpTableView")
+    _showTable(parameterNode.outputTable)
 
 
-def _change(layoutFor, with3D):
+def _change(kind, layoutFor, with3D):
     """Change to the layout that Slicer would take for the present one, or to another one where that would take the 3D view away."""
     node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
     if node is None:
         return
     current = node.GetViewArrangement()
+    if _has(node, current, kind):  # one that Slicer does not know may have it, too
+        return
     wanted = layoutFor(current)
-    if _has3D(node, current) and not _has3D(node, wanted):
+    if _has(node, current, "") and not _has(node, wanted, ""):
         wanted = getattr(node, with3D)
     node.SetViewArrangement(wanted)
 
 
-def _has3D(node, layout):
-    return '"vtkMRMLViewNode"' in node.GetLayoutDescription(layout)
+def _has(node, layout, kind):
+    """Whether a layout has a view for plots or tables, or with "" one in 3D."""
+    return f'"vtkMRML{kind}ViewNode"' in node.GetLayoutDescription(layout)
+
+
+def _showChart(chart):
+    application = slicer.app.applicationLogic()
+    application.GetSelectionNode().SetActivePlotChartID(chart.GetID())
+    application.PropagatePlotChartSelection()
+
+
+def _showTable(table):
+    application = slicer.app.applicationLogic()
+    application.GetSelectionNode().SetActiveTableID(table.GetID())
+    application.PropagateTableSelection()
 
 
 def followPlan(left, shown):
     """Where plot or table of the plan that is left are in a view, show those of the other plan, as far as it has them."""
-    application = slicer.app.applicationLogic()
-    selection = application.GetSelectionNode()
+    selection = slicer.app.applicationLogic().GetSelectionNode()
     table, chart = left.outputTable, left.outputChart
     if None not in (table, shown.outputTable) and selection.GetActiveTableID() == table.GetID():
-        selection.SetActiveTableID(shown.outputTable.GetID())
-        application.PropagateTableSelection()
+        _showTable(shown.outputTable)
     if None not in (chart, shown.outputChart) and selection.GetActivePlotChartID() == chart.GetID():
-        selection.SetActivePlotChartID(shown.outputChart.GetID())
-        application.PropagatePlotChartSelection()
+        _showChart(shown.outputChart)

@@ -20,6 +20,7 @@ from .ParameterNode import CHOICE_LABELS
 from .PlanTable import PlanTable
 from .Portions import SteppedRun
 from .RecoilRule import RecoilRule
+from .RoomyViews import RoomyViews
 from .SceneEvents import InputWatch, SceneEvents
 from .ShapeSection import ShapeSection
 from .StentButtons import StentButtons
@@ -63,6 +64,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             kind(self.ui, self.logic, self._attempt)
             for kind in (HistoryButtons, DeviceSection, ShapeSection, ExportSection, SegmentSection)
         ]
+        self.views = RoomyViews(self.ui)
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._connect()
@@ -80,6 +82,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
 
     def exit(self):
         self.setParameterNode(None)
+        self.views.leave()
 
     def onReload(self):
         self.logic.dropLoadedPackages()
@@ -167,7 +170,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._requestUpdate()
 
     def _showSections(self):
-        for section in (*self.sections, self.plans):
+        for section in (*self.sections, self.plans, self.views):
             section.show(self._parameterNode)
 
     def onInputModified(self):

@@ -29,6 +29,33 @@ def test_plot_and_table_take_no_3d_view_away(host, aStent, aScene, buttons):
             assert f'"vtkMRML{kind}ViewNode"' in shown, arrangement
 
 
+def test_the_roomy_views_are_there_while_the_module_is_and_show_the_plot(host, aStent, aScene):
+    layout = aScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+    layout.SetViewArrangement(layout.SlicerLayoutFourUpView)
+    ui = aStent.ui
+    ui.roomyViewsCheckBox.checked = True
+    roomy = layout.GetViewArrangement()
+    shown = layout.GetLayoutDescription(roomy)
+    assert '"vtkMRMLViewNode"' in shown
+    assert '"vtkMRMLSliceNode"' not in shown
+    deploy(host, aStent)
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    chart = aStent._parameterNode.outputChart
+    assert selection.GetActivePlotChartID() == chart.GetID()
+    host.click(ui.showPlotButton)
+    assert layout.GetViewArrangement() == roomy
+    aStent.exit()
+    assert layout.GetViewArrangement() == layout.SlicerLayoutFourUpView
+    aStent.enter()
+    assert layout.GetViewArrangement() == roomy
+    layout.SetViewArrangement(layout.SlicerLayoutOneUp3DView)  # as the user likes
+    aStent.exit()
+    assert layout.GetViewArrangement() == layout.SlicerLayoutOneUp3DView
+    aStent.enter()
+    ui.roomyViewsCheckBox.checked = False
+    assert layout.GetViewArrangement() == layout.SlicerLayoutOneUp3DView
+
+
 @pytest.fixture
 def aSegmentation(host, aStent, aScene):
     """The panel, with the vessel and another segment in a segmentation."""

@@ -1,0 +1,61 @@
+"""Views as this module needs them, a large one in 3D and the plot beneath, as long as it is shown."""
+
+import slicer
+
+from . import Showing
+
+LAYOUT = 5330
+"""A number that no layout of Slicer has."""
+
+DESCRIPTION = """
+<layout type="vertical" split="true">
+  <item splitSize="700">
+    <view class="vtkMRMLViewNode" singletontag="1">
+      <property name="viewlabel" action="default">1</property>
+    </view>
+  </item>
+  <item splitSize="300">
+    <view class="vtkMRMLPlotViewNode" singletontag="PlotView1">
+      <property name="viewlabel" action="default">P</property>
+    </view>
+  </item>
+</layout>
+"""
+
+
+class RoomyViews:
+    """Follows the check box of that name: takes these views, and gives back those of before."""
+
+    def __init__(self, ui):
+        self._box = ui.roomyViewsCheckBox
+        self._former = self._parameterNode = self._chart = None
+        self._box.connect("toggled(bool)", self._follow)
+
+    def show(self, parameterNode):
+        """Of the parameter node that is shown now: a new plot appears where there is room for it."""
+        self._parameterNode = parameterNode
+        self._follow()
+
+    def leave(self):
+        """The module is left."""
+        self._parameterNode = None
+        self._follow()
+
+    def _follow(self, *_state):
+        node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+        if node is None:  # without a window
+            return
+        if self._parameterNode is None or not self._box.checked:
+            if node.GetViewArrangement() == LAYOUT and self._former is not None:
+                node.SetViewArrangement(self._former)
+            self._former = self._chart = None
+            return
+        if self._former is None:
+            self._former = node.GetViewArrangement()
+            if not node.IsLayoutDescription(LAYOUT):
+                node.AddLayoutDescription(LAYOUT, DESCRIPTION)
+            node.SetViewArrangement(LAYOUT)
+        chart = self._parameterNode.outputChart
+        if chart is not None and chart is not self._chart:
+            self._chart = chart
+            Showing.showPlot(self._parameterNode)
