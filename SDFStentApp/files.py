@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import slicer
 from vtkmodules.vtkCommonCore import vtkPoints
 
+from SDFStentLib.files import read_lines
 from SDFStentLib.plan import load_plan, read_input_files
 from SDFStentLib.validation import InputError
 
@@ -52,6 +53,14 @@ class Uploads:
         self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         path.write_bytes(content)
         return path
+
+
+def has_lines(path: Path) -> bool:
+    """Whether a file is a centerline."""
+    try:
+        return path.suffix.lower() in CENTERLINES and bool(read_lines(path))
+    except InputError:
+        return False
 
 
 class Folders:

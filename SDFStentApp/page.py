@@ -23,7 +23,16 @@ from . import python_layer
 from .application import Application
 from .charts import opacity_of, plot_of, table_of
 from .exports import NAMES, exported, zipped_folder
-from .files import PLANS, Folders, Opened, Uploads, open_plan, open_vessel, save_model
+from .files import (
+    PLANS,
+    Folders,
+    Opened,
+    Uploads,
+    has_lines,
+    open_plan,
+    open_vessel,
+    save_model,
+)
 from .kept import PLAN
 from .selectors import PlaceWidget
 from .sight import build
@@ -261,14 +270,15 @@ class Page:
             self.attempt(press)
 
     def upload(self, variable: str, name: str, content: bytes) -> None:
-        """Keep a file of the browser's, and put its path where the page asks for one."""
+        """Keep a file of the browser's, and put its path where the page asks for one; without a variable where it belongs."""
 
         def keep() -> None:
-            path = str(self.uploads.kept(name, content))
+            path = self.uploads.kept(name, content)
+            field = variable or ("centerlinePath" if has_lines(path) else "surfacePath")
             with self.server.state as state:
-                state[variable] = path
+                state[field] = str(path)
 
-        if variable in PATHS:
+        if variable in ("", *PATHS):
             self.attempt(keep)
 
     def open(self, surface: str, centerline: str, units: str) -> None:

@@ -10,6 +10,7 @@ from trame.widgets import client, html, rca
 
 from . import template
 from .charts import plot_of, table_of
+from .chunks import LARGEST_UPLOAD
 from .files import CENTERLINES, PLANS, SURFACES
 from .view import NAME
 
@@ -45,6 +46,25 @@ NEAREST = """window.nearest = (event, values) => {
   return values.reduce((best, one) => Math.abs(one.at - x) < Math.abs(best.at - x) ? one : best);
 };"""
 """Of the values of a plot those that are seen nearest to the pointer."""
+
+SEND = """window.send = (variable, files) => Array.from(files).forEach(async file => {
+  const {state, trigger} = window.trame, isLarge = file.size > MOST;
+  state.set('message', `Sending ${file.name}...`);
+  trigger('upload', [variable, file.name, isLarge ? null : await file.arrayBuffer().catch(() => null)]);
+});
+const withFiles = take => event => {
+  if (!event.dataTransfer.types.includes('Files')) return;
+  event.preventDefault();
+  take(event);
+};
+window.addEventListener('dragover', withFiles(() => {}));
+window.addEventListener('drop', withFiles(event => {
+  const field = event.target.closest('[type=file]');
+  const other = window.trame.state.get('chooser').button ? 'chosenPath' : '';
+  if (!other) document.querySelector('[data-name=opening]').open = true;
+  window.send(field ? field.dataset.name.split('-')[0] : other, event.dataTransfer.files);
+}));""".replace("MOST", str(LARGEST_UPLOAD))
+"""Files of the browser's own machine, chosen or dropped. One that is too large is not sent, only told."""
 
 UNFOLD = """window.unfold = name => {
   const part = document.querySelector(`[data-name=${name}]`);
@@ -101,7 +121,7 @@ def build(page: Any) -> None:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
         client.ClientTriggers(
-            mounted=FOLLOW_THEME + IN_ORDER + NAMED + NEAREST + UNFOLD + KEYS + GO_ON
+            mounted=FOLLOW_THEME + IN_ORDER + NAMED + NEAREST + SEND + UNFOLD + KEYS + GO_ON
         )
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(

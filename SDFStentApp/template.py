@@ -6,7 +6,6 @@ from html import escape
 
 from SDFStentLib.units import MILLIMETERS
 
-from .chunks import LARGEST_UPLOAD
 from .files import SURFACES
 from .selectors import NEW, NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
@@ -231,13 +230,10 @@ PATHS = ("surfacePath", "centerlinePath", "chosenPath")
 
 
 def _upload(variable: str) -> str:
-    """A file of the browser's own machine, beside the field for a path; one that is too large is not sent, only told."""
-    sent = f"trigger('upload', ['{variable}', f.name, %s])"
-    read = f"f.arrayBuffer().then(c => {sent % 'c'})"
-    send = f"f.size > {LARGEST_UPLOAD} ? {sent % 'null'} : {read}"
-    told = "message = 'Sending ' + f.name + '...'"
-    return f"""<input type="file" data-name="{variable}-upload" title="A file of this computer" aria-label="A file of this computer" \
-@change="Array.from($event.target.files).forEach(f => {{ {told}; {send} }})">"""
+    """A file of the browser's own machine, beside the field for a path."""
+    words = "A file of this computer; one can be dropped anywhere on the page, too"
+    return f"""<input type="file" data-name="{variable}-upload" title="{words}" aria-label="A file of this computer" \
+@change="window.send('{variable}', $event.target.files)">"""
 
 
 def _units() -> str:

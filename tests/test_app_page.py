@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 import os
@@ -83,6 +84,12 @@ const {state} = window.trame; const flush = state.flush.bind(state);
 window.attempts = 0; state.dirtyKeys.add('surfacePath');
 state.flush = async () => { window.attempts += 1; if (window.attempts > 3) await flush(); };
 button.click(); }"""
+DROPPED = """files => { const dataTransfer = new DataTransfer();
+for (const [name, content] of files)
+  dataTransfer.items.add(new File([Uint8Array.from(atob(content), c => c.charCodeAt(0))], name));
+for (const kind of ['dragover', 'drop']) document.querySelector('.screen').dispatchEvent(
+  new DragEvent(kind, {dataTransfer, bubbles: true, cancelable: true})); }"""
+"""Files that fall on the view."""
 PATIENCE_MS = 1_800_000
 """Nothing is waited for longer, and so long only for what fails: a busy machine takes its time."""
 playwright.expect.set_options(timeout=PATIENCE_MS)
@@ -526,10 +533,17 @@ def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_vis
     archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
     a_visit.named("opening").evaluate("one => { one.open = true; }")
     upload, path = a_visit.named("surfacePath-upload"), a_visit.page.locator("#surfacePath")
-    for name in ("surface.vtp", "centerline.vtp", "plan.json"):
-        content = archive.read(name)
-        upload.set_input_files({"name": name, "mimeType": "", "buffer": content})
-        playwright.expect(path).to_have_value(re.compile(rf"uploads/{name}$"))
+    names = ("surface.vtp", "centerline.vtp")
+    files = [(name, base64.b64encode(archive.read(name)).decode()) for name in names]
+    a_visit.page.evaluate(DROPPED, files)
+    playwright.expect(path).to_have_value(re.compile("uploads/surface.vtp$"))
+    line = a_visit.page.locator("#centerlinePath")
+    playwright.expect(line).to_have_value(re.compile("uploads/centerline.vtp$"))
+    a_visit.page.evaluate(DROPPED, [("notes.txt", "")])
+    a_visit.until("message", "notes.txt: expected a file that ends in .vtp")
+    content = archive.read("plan.json")
+    upload.set_input_files({"name": "plan.json", "mimeType": "", "buffer": content})
+    playwright.expect(path).to_have_value(re.compile("uploads/plan.json$"))
     a_visit.named("removeStentButton").click()
     a_visit.until_empty("stentTable")
     a_visit.named("openButton").click()
