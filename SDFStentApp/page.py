@@ -13,6 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import numpy as np
 import slicer
 from trame_rca.encoders import RcaImageEncoder
 from trame_server.utils.namespace import Translator
@@ -96,6 +97,7 @@ class Page:
         self._edits: dict[Any, Any] = {}
         self._edited_at = -1
         self._shown_results: tuple[Any, ...] = ()
+        self._pointed = -1
         self._unseen = [str(self.uploads.folder), str(self.home)]
         self._kept: list[Kept] = []
         self._tasks: set[asyncio.Task[None]] = set()
@@ -190,6 +192,7 @@ class Page:
         if stamp != self._shown_results:
             self._shown_results = stamp
             state.plot, state.table = plot_of(chart), table_of(table)
+            self.point(self._pointed)
 
     def say(self, sentence: str) -> None:
         """A sentence above the panel; "" takes it away."""
@@ -387,6 +390,17 @@ class Page:
             with self.server.state as state:
                 state.isSaving = False
         return Kept(*NAMES[kind], content)
+
+    def point(self, station: Any) -> None:
+        """Show in the view how wide the vessel is at a station of the plot; at none without such a number."""
+        self._pointed = station if type(station) is int else -1
+        run = self.widget.logic.lastRun(self.parameters)
+        result = None if run is None else run.result
+        profile = None if result is None else result.stents[run.shownStent or 0].around_after
+        isThere = profile is not None and 0 <= self._pointed < len(profile.centers)
+        center = profile.centers[self._pointed] if isThere else None
+        diameter = profile.inscribed_diameter[self._pointed] if isThere else np.nan
+        self.view.mark(center if np.isfinite(diameter) else None, diameter)
 
     def picture(self) -> None:
         """What the view shows, for the browser to keep."""

@@ -40,12 +40,22 @@ new window.MutationObserver(name).observe(screen, {childList: true, subtree: tru
 document.querySelector('meta[name=viewport]').content = 'width=device-width, initial-scale=1';"""
 """What trame leaves out for those who do not see a page, or need it larger."""
 
-NEAREST = """window.nearest = (event, values) => {
+POINT = """let pointed = -1, told = -1, isTelling = false;
+const point = async station => {
+  pointed = station;
+  if (isTelling) return;
+  for (isTelling = true; told !== pointed;) await window.trame.trigger('point', [told = pointed]);
+  isTelling = false;
+};
+window.nearest = (event, values) => {
   const seen = event.currentTarget.getScreenCTM().inverse();
   const {x} = new window.DOMPoint(event.clientX, event.clientY).matrixTransform(seen);
-  return values.reduce((best, one) => Math.abs(one.at - x) < Math.abs(best.at - x) ? one : best);
-};"""
-"""Of the values of a plot those that are seen nearest to the pointer."""
+  const away = values.map(one => Math.abs(one.at - x)), station = away.indexOf(Math.min(...away));
+  point(station);
+  return values[station];
+};
+window.nowhere = () => { point(-1); return null; };"""
+"""Of the values of a plot those that are seen nearest to the pointer, which the view marks: one place after another."""
 
 SEND = """window.send = (variable, files) => Array.from(files).forEach(async file => {
   const {state, trigger} = window.trame, isLarge = file.size > MOST;
@@ -99,7 +109,7 @@ another one. One that fails at once is not loaded again and again.
 
 TRIGGERS = (
     *("click", "edit", "key", "ask", "choose", "open", "upload", "demo"),
-    *("save", "picture", "gather", "fetch"),
+    *("save", "picture", "point", "gather", "fetch"),
 )
 """Methods of the page that the browser calls."""
 
@@ -121,7 +131,7 @@ def build(page: Any) -> None:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
         client.ClientTriggers(
-            mounted=FOLLOW_THEME + IN_ORDER + NAMED + NEAREST + SEND + UNFOLD + KEYS + GO_ON
+            mounted=FOLLOW_THEME + IN_ORDER + NAMED + POINT + SEND + UNFOLD + KEYS + GO_ON
         )
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(

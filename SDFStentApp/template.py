@@ -297,9 +297,8 @@ DIAMETERS = """
 <span>{{ t.name }}</span> <strong>{{ t.value }}</strong> <span>{{ t.beneath }}</span></component></div>
 <div v-memo="[plot, table, pointed]">
 <p class="suffix" v-show="!plot.lines.length">Diameters along the stent, once it is deployed.</p>
-<figure v-show="plot.lines.length"><h2>{{ plot.title }}
-<span v-if="pointed" class="suffix" data-name="pointed">{{ pointed.text }}</span></h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" preserveAspectRatio="xMinYMid" role="img" :aria-label="plot.title"
-@pointermove="pointed = window.nearest($event, plot.values)" @pointerleave="pointed = null">
+<figure v-show="plot.lines.length"><h2 data-name="pointed">{{ pointed ? pointed.text : plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" preserveAspectRatio="xMinYMid" role="img" :aria-label="plot.title"
+@pointermove="pointed = window.nearest($event, plot.values)" @pointerdown="pointed = window.nearest($event, plot.values)" @pointerleave="pointed = window.nowhere()">
 <line v-if="pointed" class="pointed" :x1="pointed.at" :x2="pointed.at" y1="0" :y2="plot.height - 34"></line>
 <g class="grid"><line v-for="t in plot.up" x1="44" :x2="plot.width - 12" :y1="t.at" :y2="t.at"></line></g>
 <g class="ticks"><text v-for="t in plot.up" x="38" :y="t.at + 4" text-anchor="end">{{ t.text }}</text>

@@ -9,6 +9,8 @@ import numpy as np
 import slicer
 from trame_rca.rca import VtkRemoteControlledArea
 from vtkmodules.vtkCommonCore import vtkCommand
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
 
 from SDFStentLib.validation import InputError
@@ -33,6 +35,12 @@ NEAR_PX = 24.0
 SIDES = ("Anterior", "Posterior", "Left", "Right", "Superior", "Inferior")
 """Of the patient, as Slicer calls them: the scene has the patient's axes, whatever those of the files are."""
 
+MARK = (0.95, 0.75, 0.1)
+"""Color of the place that the pointer tells in the plot."""
+
+IN_FRONT = -66_000
+"""An offset of depth, as Slicer's own for what is seen through all that lies before it."""
+
 BACKGROUNDS = {
     "light": ((0.97, 0.97, 0.98), (0.86, 0.89, 0.93)),
     "dark": ((0.10, 0.11, 0.13), (0.16, 0.18, 0.22)),
@@ -53,6 +61,17 @@ class View(ThreeDView):
         self.node.SetRulerType(self.node.RulerTypeThin)
         self.area = _Area(self.window, on_click, self.look_at_all)
         self._frames: Frames | None = None
+        self._ball, self._mark = vtkSphereSource(), vtkActor()
+        self._ball.SetThetaResolution(32)
+        self._ball.SetPhiResolution(16)
+        mapper = vtkPolyDataMapper()
+        mapper.SetInputConnection(self._ball.GetOutputPort())
+        mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, IN_FRONT)
+        self._mark.SetMapper(mapper)
+        self._mark.GetProperty().SetColor(*MARK)
+        self._mark.VisibilityOff()
+        self.renderer.AddActor(self._mark)
 
     def serve(self, on_frame: Callable[[], None]) -> BrowserInput:
         """What sends the frames from now on; needs a running event loop. `on_frame()` is called before each that moves."""
@@ -102,6 +121,14 @@ class View(ThreeDView):
             self._camera().RotateTo(getattr(slicer.vtkMRMLCameraNode, side))
             self.renderer.ResetCameraClippingRange()
             self.draw()
+
+    def mark(self, center: np.ndarray | None, diameter: float) -> None:
+        """Show a ball of so many mm around a point in space (3,), or none."""
+        self._mark.SetVisibility(center is not None)
+        if center is not None:
+            self._ball.SetCenter(*center)
+            self._ball.SetRadius(diameter / 2)
+        self.draw()
 
     def picture(self) -> tuple[np.ndarray, int, int]:
         """Colors (rows, columns, 3), columns and rows of what is seen."""

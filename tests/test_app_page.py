@@ -162,6 +162,10 @@ def is_selected_lesion(red, green, blue):
     return (red > blue + 110) & (red > green + 60)
 
 
+def is_mark(red, green, blue):
+    return (red > green + 40) & (green > blue + 90)
+
+
 class Visit:
     """A page in the browser, by the names of the panel's widgets."""
 
@@ -318,7 +322,9 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     assert all(path.get_attribute("d").startswith("M") for path in lines.all())
     box = a_visit.page.locator(".results svg").bounding_box()
     a_visit.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    a_visit.until("pointed", "before")
     pointed = a_visit.text("pointed")
+    a_visit.seen(is_mark)
     table = a_visit.page.locator(".results table")
     columns = table.locator("th").all_text_contents()
     seen = [row.locator("td").all_text_contents() for row in table.locator("tbody tr").all()]
