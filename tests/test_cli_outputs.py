@@ -7,6 +7,7 @@ import signal
 from contextlib import suppress
 
 import pytest
+from test_output_set import everything_in
 
 from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.cli.signals import interruptions
@@ -30,15 +31,6 @@ def a_folder_of(text):
 
 def is_step(name):
     return name.startswith("step_")
-
-
-def everything_in(folder):
-    """Name and text of all files below, hidden ones too."""
-    return {
-        str(path.relative_to(folder)): path.read_text(encoding="utf-8")
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
 
 
 @pytest.mark.parametrize("folder_first", [False, True])

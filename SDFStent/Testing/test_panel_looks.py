@@ -193,19 +193,6 @@ def test_the_color_legend_keeps_the_colors_of_the_application(host, aStent):
         assert ours.GetShadow() == theirs.GetShadow()
 
 
-def test_old_results_are_said_to_be_old_and_stay_legible(host, aStent):
-    ui = aStent.ui
-    deploy(host, aStent)
-    assert not ui.oldLabel.visible
-    ui.diameterSlider.value = 8.0
-    assert ui.oldLabel.visible
-    assert ui.oldLabel.text == "Before the last change of the plan:"
-    for label in (ui.lumenLabel, ui.certificateLabel, ui.warningLabel):
-        assert label.enabled
-    ui.diameterSlider.value = 8.5
-    assert not ui.oldLabel.visible
-
-
 def test_no_line_of_the_results_is_cut(host, aStent):
     from PySide6 import QtWidgets
 

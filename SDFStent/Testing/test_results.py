@@ -13,6 +13,7 @@ def isMarked(panel):
     ui = panel.ui
     assert all(one.enabled for one in (ui.lumenLabel, ui.certificateLabel, ui.warningLabel))
     assert (CHANGED in ui.statusLabel.text and ui.statusLabel.visible) == ui.oldLabel.visible
+    assert ui.oldLabel.text == "Before the last change of the plan:"
     return ui.oldLabel.visible
 
 
