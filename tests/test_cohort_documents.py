@@ -145,15 +145,8 @@ def test_the_loop_in_the_documents_runs_and_its_table_can_be_read(tmp_path, monk
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 
 
-@pytest.fixture(scope="module")
-def a_demo_folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("examples") / "demo"
-    assert main(["demo", "-o", str(folder), "--quiet"]) == 0
-    return folder
-
-
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_an_example_runs_and_its_number_holds(path, a_demo_folder, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", [str(path), str(a_demo_folder)])
+def test_an_example_runs_and_its_number_holds(path, folder, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [str(path), str(folder / "patient")])
     runpy.run_path(str(path), run_name="__main__")  # the example itself asserts its number
     assert "mm" in capsys.readouterr().out

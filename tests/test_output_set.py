@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 import pytest
-from child_processes import PROJECT, installed, python
+from child_processes import PROJECT, python
 
 from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.files import output_set
@@ -234,7 +234,7 @@ FOREIGN = {
 }
 
 
-def test_the_command_obeys_no_folder_from_elsewhere(a_folder):
+def test_the_command_obeys_no_folder_from_elsewhere(a_folder, shell):
     """All of them at once, and one that names another folder as its first."""
     results = a_folder / "results"
     made = [
@@ -249,7 +249,7 @@ def test_the_command_obeys_no_folder_from_elsewhere(a_folder):
     found = victims(a_folder)
     before = found()
     words = ["measure", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
-    done = installed(*words, "--csv", "results/l.csv", folder=a_folder)
+    done = shell(*words, "--csv", "results/l.csv", folder=a_folder)
     assert done.returncode == 0, done.stderr
     assert (results / "l.csv").is_file()
     assert found() == before

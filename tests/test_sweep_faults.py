@@ -340,7 +340,7 @@ def test_a_case_that_kills_its_worker_fails_alone(there):
     assert columns["reason"][1].startswith("its worker ended without a word")
 
 
-def test_a_damaged_patient_in_the_middle_fails_and_the_others_finish(tmp_path):
+def test_a_damaged_patient_in_the_middle_fails_and_the_others_finish(tmp_path, shell):
     tube_folder(tmp_path)
     (tmp_path / "bad.vtp").write_bytes((tmp_path / "tube.vtp").read_bytes()[:3000])
     people = [
@@ -349,9 +349,9 @@ def test_a_damaged_patient_in_the_middle_fails_and_the_others_finish(tmp_path):
     ]
     people.append({**people[0], "name": "D", "root": [0, 0, 4]})
     write_sweep(tmp_path, axes={"diameter": [6]}, patients=people)
-    code, out, _ = ended(started(tmp_path, "--workers", "1"))
-    assert code == 4
-    assert "4 of 4 cases: 2 certified for meshing, 2 failed" in out
+    done = shell("sweep", "sweep.json", "-o", "out", "--workers", "1", folder=tmp_path)
+    assert done.returncode == 4
+    assert "4 of 4 cases: 2 certified for meshing, 2 failed" in done.stdout
     columns = Cohort(tmp_path / "out").columns
     assert columns["patient"].tolist() == ["A", "B", "C", "D"]
     assert columns["status"].tolist() == ["done", "failed", "failed", "done"]
