@@ -133,7 +133,10 @@ def test_changing_the_unit_rounds_nothing():
         ({"placement": {"center": 3}}, "placement.center: expected a list, got 3"),
         ({"placement": {"center": [1, 2, 1e999]}}, "stents[0].placement: center: expected finite"),
         ({"placement": {"from": [1, 2, 3]}}, "from with to, axis, or stent, got from"),
-        ({"placement": {}}, "from with to, axis, or stent, got nothing"),
+        (
+            {"placement": {}},
+            "one of center, distal, proximal, from with to, axis, or stent, got no",
+        ),
         ({"placement": {"axis": {}}}, "stents[0].placement.axis: expected either points or a file"),
         ({"placement": {"axis": {"file": "x.vtp"}}}, "load the plan from its file"),
         ({"placement": {"axis": {"points": [[1, 2, 3]]}}}, "axis: stent axis: expected a curve"),
@@ -143,11 +146,30 @@ def test_changing_the_unit_rounds_nothing():
         ({"name": 4}, "stents[0].name: expected a text, got 4"),
         ({"enabled": 1}, "stents[0].enabled: expected true or false, got 1"),
         ({"foo": "x"}, "stents[0]: unknown key 'foo'; expected diameter, placement"),
+        ({"balloon": {"diameter": 8}}, "balloon: expected the key 'recoil_fraction', got none"),
+        ({"balloon": {"diameter": 8, "recoil_fraction": 2}}, "balloon: recoil: expected a number"),
+        ({"balloon": {"diameter": 8, "recoil_fraction": 0.1}}, "expected 7.2 mm, the lumen that"),
+        ({"keeps": "top"}, "expected what it keeps as one of center, proximal, distal, got 'top'"),
+        ({"placement": {"stent": 0}}, "stents[0].placement: redilation: expected the number"),
+        ({"shape": {"wast": {}}}, "stents[0].shape: unknown key 'wast'"),
+        ({"shape": {"waist": {}}}, "stents[0].shape.waist: expected the key 'diameter', got none"),
+        ({"shape": {"waist": {"diameter": 7}}}, "stents[0]: waist: expected at most the 6 mm of"),
+        ({"shape": {"waist": {"diameter": -7}}}, "stents[0].shape.waist: waist: expected a numb"),
+        ({"shape": {"table": [[0, 6], [1]]}}, "stents[0].shape: profile: expected rows of a fr"),
+        (
+            {"shape": {"table": [[1, 6], [0, 5]]}},
+            "fractions that rise from 0 to 1, each once, got 1",
+        ),
+        ({"shape": {"cap_height": "x"}}, "stents[0].shape.cap_height: expected a number, got 'x'"),
     ],
 )
 def test_what_does_not_belong_in_a_stent_is_named_with_its_place(change, words):
     with pytest.raises(InputError, match=re.escape(words)):
         plan_from_document(a_document(**change))
+
+
+def a_flow(time, flow):
+    return {"mean": 5, "wave": {"time": time, "flow": flow}}
 
 
 @pytest.mark.parametrize(
@@ -173,6 +195,19 @@ def test_what_does_not_belong_in_a_stent_is_named_with_its_place(change, words):
         (("settings", "finish"), "yes", "settings.finish: expected true or false, got 'yes'"),
         (("settings", "step"), [], "settings.step: expected a number, got a list of 0"),
         (("settings", "straightening_fraction"), 2, "straightening fraction: expected a number"),
+        (("flow",), [5, 20], "flow: expected an object with mean"),
+        (("flow",), {}, "flow: expected the key 'mean'"),
+        (("flow",), {"mean": 0}, "flow: mean flow: expected a number greater than 0"),
+        (("flow",), {"mean": "5"}, "flow.mean: expected a number"),
+        (("flow",), {"mean": 5, "peak": 4}, "peak flow: expected a number at least 5"),
+        (("flow",), {"mean": 5, "inlet": 9}, "that of the inlet alone"),
+        (("flow",), {"mean": 5, "inlet": 9, "wedge": 12}, "contradict each other"),
+        (("flow",), {"mean": 5, "split_right": 1}, "expected a share below 1"),
+        (("flow",), {"mean": 5, "right": [1, 2]}, "flow.right: expected three numbers"),
+        (("flow",), a_flow([0, 1], [1, 1]), "at least 4"),
+        (("flow",), a_flow([0, 1, 2, 3], [1, 9, 1, 4]), "one that closes"),
+        (("flow",), a_flow([0, 2, 1, 3], [1, 9, 1, 1]), "times that go up"),
+        (("flow",), a_flow([0, 1, 2, 3], [1, -9, 1, 1]), "is positive"),
     ],
 )
 def test_what_does_not_belong_in_a_plan_is_named_with_its_place(path, value, words):

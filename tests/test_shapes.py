@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from deployment_cases import anatomy, phantom
-from test_plan import SCHEMA, a_document
+from test_plan import SCHEMA
 from tube_files import deploy
 
 from SDFStentLib.deformation import DeploymentSettings
@@ -277,23 +277,6 @@ def test_a_shape_comes_back_from_a_plan_exactly(name):
     again = plan_from_document(document)
     assert again == Plan((stent,))
     assert again != Plan((replace(stent, shape=None),))
-
-
-@pytest.mark.parametrize(
-    ("shape", "words"),
-    [
-        ({"wast": {}}, r"stents\[0\].shape: unknown key 'wast'"),
-        ({"waist": {}}, r"stents\[0\].shape.waist: expected the key 'diameter', got none"),
-        ({"waist": {"diameter": 7}}, r"stents\[0\]: waist: expected at most the 6 mm of the stent"),
-        ({"waist": {"diameter": -7}}, r"stents\[0\].shape.waist: waist: expected a numb"),
-        ({"table": [[0, 6], [1]]}, r"stents\[0\].shape: profile: expected rows of a fraction"),
-        ({"table": [[1, 6], [0, 5]]}, "expected fractions that rise from 0 to 1, each once, got 1"),
-        ({"cap_height": "x"}, r"stents\[0\].shape.cap_height: expected a number, got 'x'"),
-    ],
-)
-def test_what_does_not_belong_in_a_shape_is_named_with_its_place(shape, words):
-    with pytest.raises(InputError, match=words):
-        plan_from_document(a_document(shape=shape))
 
 
 def test_the_shell_deploys_a_waist_at_the_throat_and_reports_the_profile(a_folder, capsys):
