@@ -76,6 +76,15 @@ window.addEventListener('drop', withFiles(event => {
 }));""".replace("MOST", str(LARGEST_UPLOAD))
 """Files of the browser's own machine, chosen or dropped. One that is too large is not sent, only told."""
 
+SPLIT = """window.split = to => {
+  const [page, panel, split] = ['.page', '.panel', '.split'].map(one => document.querySelector(one));
+  const steps = {'-': -20, '+': 20}, told = to in steps ? panel.offsetWidth + steps[to] : to;
+  const most = Math.max(300, Math.min(900, window.innerWidth - 400)), width = Math.round(Math.min(Math.max(told, 300), most));
+  page.style.setProperty('--panel', `${width}px`);
+  split.setAttribute('aria-valuenow', width);
+};"""
+"""The width of the panel, or a step of it: both sides stay wide enough to be used."""
+
 UNFOLD = """window.unfold = name => {
   const part = document.querySelector(`[data-name=${name}]`);
   for (let one = part; one; one = one.parentElement.closest('details')) one.open = true;
@@ -131,7 +140,7 @@ def build(page: Any) -> None:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
         client.ClientTriggers(
-            mounted=FOLLOW_THEME + IN_ORDER + NAMED + POINT + SEND + UNFOLD + KEYS + GO_ON
+            mounted=FOLLOW_THEME + IN_ORDER + NAMED + POINT + SEND + SPLIT + UNFOLD + KEYS + GO_ON
         )
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(
@@ -140,6 +149,7 @@ def build(page: Any) -> None:
             classes="panel",
             raw_attrs=['role="main"'],
         )
+        html.Div(template.SPLIT)
         with html.Div(classes="stage", raw_attrs=['role="region" aria-label="View and diameters"']):
             with html.Div(classes=("{ screen: true, placing: isPlacing }",)):
                 rca.RemoteControlledArea(

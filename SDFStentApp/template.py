@@ -291,6 +291,13 @@ def bar() -> str:
 Save picture</button></div>"""
 
 
+SPLIT = """
+<div class="split" role="separator" tabindex="0" aria-orientation="vertical" aria-label="Width of the panel" aria-valuemin="300"
+aria-valuemax="900" aria-valuenow="446" data-name="split" @pointerdown="$event.target.setPointerCapture($event.pointerId)"
+@pointermove="$event.buttons && window.split($event.clientX)" @dblclick="window.split(446)"
+@keydown.left.stop.prevent="window.split('-')" @keydown.right.stop.prevent="window.split('+')"></div>
+"""
+
 DIAMETERS = """
 <div class="results"><div class="tiles" v-memo="[tiles]" data-name="tiles" role="region" aria-label="Result" tabindex="0">
 <component v-for="t in tiles" :is="t.is_caution ? 'button' : 'div'" class="tile" :class="{caution: t.is_caution}" @click="t.is_caution && window.unfold('detailsCollapsibleButton')">

@@ -367,7 +367,9 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     clicks = ("lesionTable", "tbody td"), ("suggestButton", None), ("autoUpdateCheckBox", "input")
     for name, inside in clicks:  # and a drag: from the vessel to the result
         one = visit.named(name)
-        (one.locator(inside).first if inside else one).click()
+        one = one.locator(inside).first if inside else one
+        playwright.expect(one).to_be_enabled()  # the driver scrolls to what it has to wait for
+        one.click()
         if name == "suggestButton":  # what is beneath moves down by a row
             playwright.expect(visit.named("stentTable").locator("tbody tr")).to_have_count(2)
     box = visit.slider("diameterSlider").bounding_box()
@@ -387,6 +389,15 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     visit.named("lesionTable").locator("td").first.click()
     visit.seen(is_selected_lesion)
     visit.named("fitButton").click()
+    split, mouse = visit.named("split"), visit.page.mouse
+    begin = split.bounding_box()["x"]
+    split.press("ArrowLeft")
+    assert split.bounding_box()["x"] == begin - 20
+    mouse.move(begin - 17, 400)
+    mouse.down()
+    mouse.move(603, 400)
+    mouse.up()
+    assert abs(split.bounding_box()["x"] - 603) < 4
     sides = []
     for side in ("fromAnterior", "fromPosterior", "fromLeft"):
         visit.named(side).click()
