@@ -1,14 +1,14 @@
 """The lesions of the vessel, in a table of the panel and in the views."""
 
 import qt
-import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib.report import degree_word, lesion_sentences
 from SDFStentLib.vessel import SMALLEST_DEGREE
 
 from . import Clock
-from .Handles import CURVE, POINTS, removeWhole
+from .Handles import CURVE, POINTS
+from .Marks import createMark, removeMark
 from .PanelParts import fitColumns
 from .Portions import SteppedRun
 
@@ -21,68 +21,44 @@ GLYPH, TEXT = 1.5, 4.0
 
 
 class LesionMarks:
-    """Markups to look at only: nobody can move, choose or save them. They are seen through what lies before them."""
+    """Markups to look at only, which nobody can move."""
 
     def __init__(self):
         self._lesions, self._numbers, self._extent = (), None, None
 
     def show(self, lesions):
         """Mark the library's lesions in place of all former ones; none of them is selected."""
-        _remove(self._numbers)
+        removeMark(self._numbers)
         self._lesions, self._numbers = lesions, None
         if lesions:
             texts = [f"  {number}" for number in range(1, len(lesions) + 1)]
             points = [lesion.point for lesion in lesions]
-            self._numbers = _shown(POINTS, _("Lesions"), points, texts)
+            self._numbers = _locked(createMark(POINTS, _("Lesions"), points, texts))
         self.select(None)
 
     def select(self, index):
         """Mark one of them strongly, or None."""
-        _remove(self._extent)
+        removeMark(self._extent)
         self._extent = None
         for number in range(len(self._lesions)):
             self._numbers.SetNthControlPointSelected(number, number == index)
         if index is not None:
             points = self._lesions[index].line.resampled(SPACING).points
-            self._extent = _shown(CURVE, _("Selected lesion"), points, [""] * len(points))
+            self._extent = _locked(createMark(CURVE, _("Selected lesion"), points))
+            for number in range(len(points)):
+                self._extent.SetNthControlPointVisibility(number, False)
 
 
-def _shown(className, name, points, texts):
-    """A node of markups that is in nobody's way."""
-    scene = slicer.mrmlScene
-    node = scene.CreateNodeByClass(className)
-    node.UnRegister(None)
-    node.SetName(name)
-    node.SetHideFromEditors(True)
-    node.SetSaveWithScene(False)
+def _locked(node):
     node.SetLocked(True)
-    for number, (point, text) in enumerate(zip(points, texts, strict=True)):
-        node.AddControlPointWorld(point, text)
-        node.SetNthControlPointVisibility(number, bool(text))
-    selection = slicer.app.applicationLogic().GetSelectionNode()
-    placed, className = selection.GetActivePlaceNodeID(), selection.GetActivePlaceNodeClassName()
-    with slicer.util.NodeModify(selection):  # else it would be the one to which clicks add points
-        scene.AddNode(node)
-        selection.SetReferenceActivePlaceNodeClassName(className)
-        selection.SetActivePlaceNodeID(placed)
-    node.CreateDefaultDisplayNodes()
     display = node.GetDisplayNode()
-    display.SetSaveWithScene(False)
     display.SetColor(*COLOR)
     display.SetSelectedColor(*SELECTED_COLOR)
-    display.SetPropertiesLabelVisibility(False)
     display.SetGlyphScale(GLYPH)
-    display.SetOccludedVisibility(True)
-    display.SetOccludedOpacity(1.0)
     display.SetCurveLineSizeMode(display.UseLineDiameter)
     display.SetLineDiameter(THICKNESS)
     display.SetTextScale(TEXT)
     return node
-
-
-def _remove(node):
-    if node is not None and node.GetScene() is not None:
-        removeWhole(node)
 
 
 SETTLE_MS = 250

@@ -1,15 +1,19 @@
 """The stents of a plan: what the logic adds, removes and moves of them."""
 
 import numpy as np
+import slicer
 
-from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter
+from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter, stent_axis
 from SDFStentLib.treatment import placement_at
 from SDFStentLib.validation import InputError
 
-from . import Handles, Sizes
+from . import Dependencies, Handles, Plans, Sizes
 from .LumenMiddle import middleOn
 from .ParameterNode import STENT_FIELDS, Placement, stentOf, stentsOf
 from .StentList import StentList
+
+SHORTEST = 1.0
+"""To which a stent can be drawn together, mm."""
 
 
 class Planning:
@@ -97,6 +101,46 @@ class Planning:
         stents = stentsOf(parameterNode)
         if any(stent.handle is handle and stent.placement.needsCenterline for stent in stents):
             self._dragging.follow(handle, self._inputs.knownCenterline(parameterNode))
+
+    def stentEnds(self, parameterNode):
+        """Where the selected stent ends, (2, 3), the proximal one first.
+
+        None for one whose length is not its own to set, for none that can lie, and before the centerline is known.
+        """
+        stent, centerline = stentOf(parameterNode), self._inputs.knownCenterline(parameterNode)
+        if not len(stentsOf(parameterNode)) or centerline is None or not Sizes.hasFreeLength(stent):
+            return None
+        if Dependencies.missingOf(stent) or Sizes.refusal(stent):
+            return None
+        try:
+            return stent_axis(Plans.plannedStent(stent), centerline).points[[0, -1]]
+        except InputError:
+            return None  # a deployment says why
+
+    def leadEnds(self, parameterNode, ends):
+        """Keep a markups node with the ends of the selected stent on the centerline while the mouse moves one."""
+        self._dragging.follow(ends, self._inputs.knownCenterline(parameterNode))
+
+    def stretchStent(self, parameterNode, ends):
+        """Let the selected stent reach from one to the other of two places (2, 3) on the centerline."""
+        stent, centerline = parameterNode.stent, self._inputs.centerline(parameterNode)
+        first, last = sorted(map(centerline.project, ends), key=lambda place: place.arc_length)
+        line = centerline.path(first, last).line
+        if line.length < SHORTEST:
+            return
+        length = line.length / (1 - Sizes.foreshorteningOf(stent) / 100)
+        kept = Sizes.detailsOf(stent).keeps
+        # The middle is that of the stent as it is packed.
+        middle = {
+            "center": line.length / 2,
+            "proximal": length / 2,
+            "distal": line.length - length / 2,
+        }
+        at = {Placement.DISTAL_END: line.length, Placement.PROXIMAL_END: 0.0}
+        place = line.at(np.clip(at.get(stent.placement, middle[kept]), 0, line.length))
+        with slicer.util.NodeModify(parameterNode):
+            StentList(parameterNode).change(length=round(length, 2))
+            stent.handle.SetNthControlPointPositionWorld(0, *place)
 
     def moveStent(self, parameterNode, distance):
         """Move the handle of the selected stent along the centerline, in mm, towards the outlets or, negative, the root."""

@@ -54,6 +54,12 @@ def lengthOf(stent):
     return (device and device.nominal_length) or stent.length
 
 
+def hasFreeLength(stent):
+    """Whether the length of a stent about a point, or from one, is what is set."""
+    device = detailsOf(stent).device
+    return stent.placement in BY_POINT and (device is None or device.nominal_length is None)
+
+
 def asksForShortening(stent):
     """Whether a stent shall shorten as is known of its device, and that is not known."""
     device = detailsOf(stent).device

@@ -10,6 +10,7 @@ from vtkmodules.vtkCommonCore import vtkCommand
 from . import Conversion, ExtractCenterline, Outputs, Showing
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
+from .EndRings import EndRings
 from .ExportSection import ExportSection, SegmentSection
 from .History import HistoryButtons
 from .LesionTable import LesionTable
@@ -64,7 +65,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             kind(self.ui, self.logic, self._attempt)
             for kind in (HistoryButtons, DeviceSection, ShapeSection, ExportSection, SegmentSection)
         ]
-        self.views = RoomyViews(self.ui)
+        self.views, self.rings = RoomyViews(self.ui), EndRings(self.logic)
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._connect()
@@ -133,6 +134,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.plans.show(None)
         if parameterNode is None:
             self._state.atHand.show("")
+            self.rings.leave()
         else:
             self._lastSet = parameterNode.parameterNode
             self.logic.markShown(parameterNode)
@@ -170,7 +172,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._requestUpdate()
 
     def _showSections(self):
-        for section in (*self.sections, self.plans, self.views):
+        for section in (*self.sections, self.plans, self.views, self.rings):
             section.show(self._parameterNode)
 
     def onInputModified(self):

@@ -61,3 +61,11 @@ def saveAsFile(node, path, frame):
     storage.SetFileName(str(path))
     storage.SetCoordinateSystem(storage.GetCoordinateSystemTypeFromString(frame))
     assert storage.WriteData(node)
+
+
+def handleNames(scene):
+    """Of the handles that a user sees in a scene, in order."""
+    import slicer
+
+    nodes = slicer.util.getNodesByClass("vtkMRMLMarkupsFiducialNode", scene)
+    return [node.GetName() for node in nodes if not node.GetHideFromEditors()]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import settle, theThroat
+from panel_helpers import planned, settle, theThroat
 
 
 @pytest.fixture
@@ -84,6 +84,37 @@ def test_one_end_of_a_stent_between_two_points_is_dragged_alone(host, aStent, th
     np.testing.assert_allclose(placeOf(aStent, 0), start, atol=1e-5)
     assert np.linalg.norm(placeOf(aStent, 1) - end) > 1.5
     assert besideTree(tree, [placeOf(aStent, 1)]).max() < 1e-3
+
+
+def endsOf(panel):
+    node = slicer.util.getNode("Ends of the stent")
+    return np.array([node.GetNthControlPointPositionWorld(index) for index in range(2)])
+
+
+@pytest.mark.parametrize(("placement", "kept"), [(0, 0), (0, 1), (0, 2), (1, 0), (2, 0)])
+def test_a_ring_at_an_end_is_dragged_for_the_length(host, aStent, theView, placement, kept):
+    """The other end stays; the stent reaches from one ring to the other once it has shortened."""
+    from SDFStentLib.stent import stent_axis
+
+    ui, tree = aStent.ui, treeOf(aStent)
+    host.choose(ui.placementComboBox, placement)
+    host.choose(ui.keptComboBox, kept)
+    ui.foreshorteningSlider.value = 20.0
+    for end in {0: (0, 1), 1: (0,), 2: (1,)}[placement]:  # at the other end is the handle
+        before, length = endsOf(aStent), ui.lengthSlider.value
+        pixels = [theView.pixel(point) for point in before]
+        away = (pixels[end] - pixels[1 - end]) / np.linalg.norm(pixels[end] - pixels[1 - end])
+        theView.drag([pixels[end] + step * away for step in (0.0, 10.0, 20.0, 30.0)])
+        after = endsOf(aStent)
+        assert ui.lengthSlider.value > length + 1.0
+        np.testing.assert_allclose(after[1 - end], before[1 - end], atol=0.02)
+        assert besideTree(tree, after).max() < 1e-3
+        (stent,) = planned(aStent)
+        lying = stent_axis(stent, tree)
+        np.testing.assert_allclose(lying.points[[0, -1]], after, atol=1e-3)
+        assert lying.line.length == pytest.approx(0.8 * ui.lengthSlider.value, abs=0.02)
+    host.click(ui.removeStentButton)
+    assert slicer.mrmlScene.GetFirstNodeByName("Ends of the stent") is None
 
 
 def test_a_handle_dragged_in_a_slice_view_goes_to_the_nearest_place_in_space(host, aStent):

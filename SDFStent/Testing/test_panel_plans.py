@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from panel_helpers import deploy, offered, pointsOf, saveAsFile, settle, theThroat
+from panel_helpers import deploy, handleNames, offered, pointsOf, saveAsFile, settle, theThroat
 
 
 @pytest.fixture
@@ -391,11 +391,6 @@ def test_a_comparison_that_is_stopped_leaves_nothing(host, twoPlans, tmp_path, a
     host.processUntil(lambda: before.issuperset(threading.enumerate()))
     assert list(tmp_path.iterdir()) == []
     assert slicer.util.openedUrls == []
-
-
-def handleNames(scene):
-    nodes = slicer.util.getNodesByClass("vtkMRMLMarkupsFiducialNode", scene)
-    return [node.GetName() for node in nodes]
 
 
 def test_handles_of_further_plans_are_counted(host, aStent, aScene):

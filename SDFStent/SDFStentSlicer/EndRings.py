@@ -1,0 +1,83 @@
+"""Rings at both ends of the selected stent, which the mouse drags for its length."""
+
+import numpy as np
+import slicer
+from slicer.i18n import tr as _
+from slicer.util import VTKObservationMixin
+
+from .Dragging import VIEW_ATTRIBUTE
+from .Handles import COLOR, POINTS
+from .Marks import createMark, removeMark
+from .ParameterNode import Placement
+
+GLYPH = 2.0
+"""Less than of the handle; percent of a view."""
+
+AT_HANDLE = {Placement.PROXIMAL_END: 0, Placement.DISTAL_END: 1}
+"""The end at which the handle of a stent is, which moves all of it."""
+
+
+class EndRings(VTKObservationMixin):
+    """Shows the rings where the stent of the parameter node ends that is shown, and lets it reach to where one is dragged."""
+
+    def __init__(self, logic):
+        VTKObservationMixin.__init__(self)
+        self._logic, self._parameterNode, self._node, self._isFollowing = logic, None, None, False
+
+    def show(self, parameterNode):
+        """The stent that is selected now; while a ring is dragged it is where the mouse is."""
+        self._parameterNode = parameterNode
+        if self._node is None or not self._node.GetAttribute(VIEW_ATTRIBUTE):
+            self._update()
+
+    def leave(self):
+        """No stent is shown any more."""
+        self._parameterNode = None
+        self._remove()
+
+    def _update(self):
+        ends = self._logic.stentEnds(self._parameterNode)
+        if ends is None:
+            self._remove()
+            return
+        if self._node is None or self._node.GetScene() is None:
+            self._create(ends)
+        handle = AT_HANDLE.get(self._parameterNode.stent.placement)
+        self._isFollowing = True
+        with slicer.util.NodeModify(self._node):
+            for index, point in enumerate(ends):
+                self._node.SetNthControlPointPositionWorld(index, *point)
+                self._node.SetNthControlPointVisibility(index, index != handle)
+        self._isFollowing = False
+        self._logic.leadEnds(self._parameterNode, self._node)
+
+    def _create(self, ends):
+        self._node = createMark(POINTS, _("Ends of the stent"), ends)
+        display = self._node.GetDisplayNode()
+        display.SetColor(*COLOR)
+        display.SetSelectedColor(*COLOR)
+        display.SetGlyphTypeFromString("Circle2D")
+        display.SetGlyphScale(GLYPH)
+        display.SetSnapMode(display.SnapModeUnconstrained)
+        self.addObserver(self._node, self._node.PointModifiedEvent, self._onMoved)
+        self.addObserver(self._node, self._node.PointEndInteractionEvent, self._onReleased)
+
+    def _remove(self):
+        self.removeObservers()
+        removeMark(self._node)
+        self._node = None
+
+    def _onMoved(self, caller=None, event=None):
+        if self._isFollowing or self._parameterNode is None:
+            return
+        self._isFollowing = True
+        try:
+            self._logic.leadEnds(self._parameterNode, self._node)
+            points = [self._node.GetNthControlPointPositionWorld(index) for index in range(2)]
+            self._logic.stretchStent(self._parameterNode, np.array(points))
+        finally:
+            self._isFollowing = False
+
+    def _onReleased(self, caller=None, event=None):
+        if self._parameterNode is not None:
+            self._update()

@@ -1,0 +1,37 @@
+"""Markups that only show something: nobody chooses or saves them, and they are seen through what lies before them."""
+
+import slicer
+
+from .Handles import removeWhole
+
+
+def createMark(className, name, points, texts=None):
+    """A markups node with a control point per row of `points`, which is in nobody's way; `texts` stand beside the points."""
+    scene = slicer.mrmlScene
+    node = scene.CreateNodeByClass(className)
+    node.UnRegister(None)
+    node.SetName(name)
+    node.SetHideFromEditors(True)
+    node.SetSaveWithScene(False)
+    for number, point in enumerate(points):
+        node.AddControlPointWorld(point, texts[number] if texts else "")
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    placed, className = selection.GetActivePlaceNodeID(), selection.GetActivePlaceNodeClassName()
+    with slicer.util.NodeModify(selection):  # else it would be the one to which clicks add points
+        scene.AddNode(node)
+        selection.SetReferenceActivePlaceNodeClassName(className)
+        selection.SetActivePlaceNodeID(placed)
+    node.CreateDefaultDisplayNodes()
+    display = node.GetDisplayNode()
+    display.SetSaveWithScene(False)
+    display.SetPropertiesLabelVisibility(False)
+    display.SetPointLabelsVisibility(texts is not None)
+    display.SetOccludedVisibility(True)
+    display.SetOccludedOpacity(1.0)
+    return node
+
+
+def removeMark(node):
+    """Take it away again, if there is one."""
+    if node is not None and node.GetScene() is not None:
+        removeWhole(node)
