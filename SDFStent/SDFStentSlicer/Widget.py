@@ -10,7 +10,6 @@ from vtkmodules.vtkCommonCore import vtkCommand
 from . import Conversion, ExtractCenterline, Outputs, Showing
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
-from .EndRings import EndRings
 from .ExportSection import ExportSection, SegmentSection
 from .History import HistoryButtons
 from .LesionTable import LesionTable
@@ -25,6 +24,7 @@ from .RoomyViews import RoomyViews
 from .SceneEvents import InputWatch, SceneEvents
 from .ShapeSection import ShapeSection
 from .StentButtons import StentButtons
+from .StentEnds import StentEnds
 from .StentList import StentList
 from .StentTable import StentTable
 
@@ -65,7 +65,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             kind(self.ui, self.logic, self._attempt)
             for kind in (HistoryButtons, DeviceSection, ShapeSection, ExportSection, SegmentSection)
         ]
-        self.views, self.rings = RoomyViews(self.ui), EndRings(self.logic)
+        self.views, self.ends = RoomyViews(self.ui), StentEnds(self.logic)
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._connect()
@@ -134,7 +134,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.plans.show(None)
         if parameterNode is None:
             self._state.atHand.show("")
-            self.rings.leave()
+            self.ends.leave()
         else:
             self._lastSet = parameterNode.parameterNode
             self.logic.markShown(parameterNode)
@@ -172,7 +172,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._requestUpdate()
 
     def _showSections(self):
-        for section in (*self.sections, self.plans, self.views, self.rings):
+        for section in (*self.sections, self.plans, self.views, self.ends):
             section.show(self._parameterNode)
 
     def onInputModified(self):

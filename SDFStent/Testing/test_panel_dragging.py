@@ -92,8 +92,8 @@ def endsOf(panel):
 
 
 @pytest.mark.parametrize(("placement", "kept"), [(0, 0), (0, 1), (0, 2), (1, 0), (2, 0)])
-def test_a_ring_at_an_end_is_dragged_for_the_length(host, aStent, theView, placement, kept):
-    """The other end stays; the stent reaches from one ring to the other once it has shortened."""
+def test_a_dot_at_an_end_is_dragged_for_the_length(host, aStent, theView, placement, kept):
+    """The other end stays; the stent reaches from one dot to the other once it has shortened."""
     from SDFStentLib.stent import stent_axis
 
     ui, tree = aStent.ui, treeOf(aStent)

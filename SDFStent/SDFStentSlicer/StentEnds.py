@@ -1,4 +1,4 @@
-"""Rings at both ends of the selected stent, which the mouse drags for its length."""
+"""Dots at both ends of the selected stent, which the mouse drags for its length."""
 
 import numpy as np
 import slicer
@@ -17,15 +17,15 @@ AT_HANDLE = {Placement.PROXIMAL_END: 0, Placement.DISTAL_END: 1}
 """The end at which the handle of a stent is, which moves all of it."""
 
 
-class EndRings(VTKObservationMixin):
-    """Shows the rings where the stent of the parameter node ends that is shown, and lets it reach to where one is dragged."""
+class StentEnds(VTKObservationMixin):
+    """Shows dots where the stent of the parameter node ends that is shown, and lets it reach to where one of them is dragged."""
 
     def __init__(self, logic):
         VTKObservationMixin.__init__(self)
         self._logic, self._parameterNode, self._node, self._isFollowing = logic, None, None, False
 
     def show(self, parameterNode):
-        """The stent that is selected now; while a ring is dragged it is where the mouse is."""
+        """The stent that is selected now; while a dot is dragged it is where the mouse is."""
         self._parameterNode = parameterNode
         if self._node is None or not self._node.GetAttribute(VIEW_ATTRIBUTE):
             self._update()
