@@ -55,13 +55,16 @@ class History:
 
 
 class HistoryButtons:
-    """*Undo* and *Redo*. `onKept(document)` hears of every plan that is kept."""
+    """*Undo* and *Redo*. `onKept(document)` hears of every plan that is kept.
+
+    `isAwaited()` tells whether what was done goes on to change the plan, as a recoil by the rule does: that is no step of its own.
+    """
 
     def __init__(self, ui, _logic, attempt):
-        self.onKept = lambda _document: None
+        self.onKept, self.isAwaited = lambda _document: None, lambda: False
         self.ui, self._attempt = ui, attempt
         self._histories, self._history = {}, None
-        self._timer = Clock.timer(self._note, SETTLE_MS)
+        self._timer = Clock.timer(self._settle, SETTLE_MS)
         ui.undoButton.connect("clicked()", lambda: self._go(-1))
         ui.redoButton.connect("clicked()", lambda: self._go(1))
 
@@ -80,6 +83,12 @@ class HistoryButtons:
     def keep(self):
         """Keep the plan as it is, if it was not yet: something else is done to it now."""
         if self._timer.isActive():
+            self._note()
+
+    def _settle(self):
+        if self.isAwaited():
+            self._timer.start()
+        else:
             self._note()
 
     def _note(self):

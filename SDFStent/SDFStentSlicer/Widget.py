@@ -67,6 +67,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         ]
         self.views, self.ends = RoomyViews(self.ui), StentEnds(self.logic)
         self.recoil = RecoilRule(self.logic, self._onPrepared)
+        self.sections[0].isAwaited = lambda: self.recoil.isBusy
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._connect()
         self._observeScene(slicer.mrmlScene)

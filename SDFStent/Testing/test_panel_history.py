@@ -102,6 +102,29 @@ def test_a_drag_is_one_step_and_the_handle_stays_the_users(host, aStent):
     assert isSame(stateOf(aStent), first)
 
 
+def test_a_stent_that_was_moved_goes_back_with_the_recoil_that_the_rule_found_late(host, aStent):
+    """As where the application draws slowly: the rule's answer is a consequence of the move, not a step."""
+    from SDFStentSlicer import Clock
+
+    parameters, ui, recoil = aStent._parameterNode, aStent.ui, aStent.recoil
+    ui.diameterSlider.value = 12.0
+    ui.balloonCheckBox.checked = True
+    ui.balloonSlider.value = 13.0
+    host.processUntil(lambda: not recoil.isBusy)
+    rest(host, aStent)
+    first, text = stateOf(aStent), aStent.sections[0]._history.document
+    recoil._timer = Clock.timer(recoil._begin, 1000)
+    tree = aStent.logic.centerlineOf(parameters)
+    wide = tree.path_from_proximal(tree.points[tree.roots[0]], 12.0).points[-1]
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *wide)
+    host.process()
+    host.processUntil(lambda: not recoil.isBusy)
+    rest(host, aStent)
+    assert aStent.sections[0]._history.document != text
+    host.click(ui.undoButton)
+    assert isSame(stateOf(aStent), first)
+
+
 def test_buttons_that_are_clicked_at_once_are_steps_of_their_own(host, theInputs):
     ui, parameters = theInputs.ui, theInputs._parameterNode
     counts = []
