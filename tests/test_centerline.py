@@ -165,6 +165,34 @@ def wandering(count: int, seed: int) -> list[np.ndarray]:
     return pieces
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_no_vessel_ends_at_a_capped_inlet_where_lines_begin(seed):
+    """A cap leaves no sphere there, in which the zigzag of the first points would be one place."""
+    random = np.random.default_rng(seed)
+    lines = []
+    for angle in np.linspace(0, 2 * np.pi, 12, endpoint=False):
+        height = np.arange(0, 80, 0.25)
+        aside = 0.6 * np.clip(height - 30, 0, None)
+        line = np.stack([np.cos(angle) * aside, np.sin(angle) * aside, height], axis=1)
+        wave = np.cumsum(random.normal(size=line.shape), axis=0)
+        wave = np.stack([np.convolve(x, np.ones(15) / 15, mode="same") for x in wave.T], axis=1)
+        radius = np.where(height < 30, 8.0, 3.0)[:, None]
+        lines.append(line + 0.05 * radius * wave / np.abs(wave).max())
+    round_ = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    ring = np.stack([np.cos(round_), np.sin(round_), 0 * round_], axis=1)
+    trunk = [8 * ring + [0, 0, z] for z in np.arange(0, 31.0)]
+    cap = [size * ring for size in np.arange(0, 8, 0.4)]
+    branches = [line[at] + 3 * ring for line in lines for at in range(124, 320, 4)]
+    ends = np.cumsum([len(line) for line in lines])
+    tree = Centerline.from_lines(
+        np.concatenate(lines),
+        np.split(np.arange(ends[-1]), ends[:-1]),
+        wall=np.concatenate([*trunk, *cap, *branches]),
+    )
+    assert len(tree.leaves) == 12
+    assert np.linalg.norm(tree.points[tree.roots], axis=1).max() < 1.0
+
+
 @pytest.mark.parametrize("backward", [False, True])
 @pytest.mark.parametrize("seed", range(5, 13))
 def test_lines_that_begin_at_places_of_one_inlet_cross_and_begin_there(seed, backward):

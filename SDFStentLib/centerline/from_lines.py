@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..geometry import nearest_distances, norm, search_tree
-from ..validation import Floats, Indices, InputError, Points, as_point, as_points
+from ..validation import Flags, Floats, Indices, InputError, Points, as_point, as_points
 from .chains import thinned
 from .line_graph import LineGraph, near_pairs, reach_of, welded
 from .overlaps import OVERLAP_EXTENT, OVERLAP_FRACTION, merged_overlaps
@@ -205,7 +205,11 @@ def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
 
     _, parent = dijkstra(graph.matrix(), directed=False, indices=root, return_predecessors=True)
     parent = np.where(parent < 0, -1, parent).astype(np.int64)
-    kept = _without_spurs(graph, parent, _meant_ends(graph, root, line_ends))
+    at_inlet = max(reach_of(graph, GAP_FRACTION, GAP_EXTENT)[root], GAP_EXTENT * graph.extent())
+    at_root = np.linalg.norm(line_ends - graph.points[root], axis=2) <= at_inlet
+    ends = _meant_ends(at_root, line_ends)
+    is_inlet = norm(graph.points - graph.points[root]) <= at_inlet
+    kept = _without_spurs(graph, parent, ends, is_inlet)
     children = np.flatnonzero(kept & (parent >= 0))
     count = len(parent)
     links = csr_matrix((np.ones(len(children)), (parent[children], children)), (count, count))
@@ -215,18 +219,16 @@ def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
     return PointTree(graph.points[order], graph.radius[order], new_index[parent[order]])
 
 
-def _meant_ends(graph: LineGraph, root: int, line_ends: Floats) -> Floats:
-    """Ends (k, 3) of lines (n, 2, 3), but not those at the root of lines that begin there."""
-    reach = max(reach_of(graph, GAP_FRACTION, GAP_EXTENT)[root], GAP_EXTENT * graph.extent())
-    at_root = np.linalg.norm(line_ends - graph.points[root], axis=2) <= reach
+def _meant_ends(at_root: Flags, line_ends: Floats) -> Floats:
+    """Ends (k, 3) of lines (n, 2, 3), but those at the root (n, 2) of lines that begin there."""
     meant: Floats = line_ends[~(at_root & ~at_root[:, ::-1])]
     return meant
 
 
-def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats) -> NDArray[np.bool_]:
+def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats, is_inlet: Flags) -> Flags:
     """Which nodes stay: dead ends made by opening a loop, or by merging lines that part for a
-    moment, go when inside their junction's sphere, or all along beside another line, in a lumen
-    that is told by it."""
+    moment, go when inside their junction's sphere or at the inlet, where a cap leaves no sphere, or
+    all along beside another line, in a lumen that is told by it."""
     kept = np.ones(len(parent), dtype=bool)
     child_count = np.bincount(parent[parent >= 0], minlength=len(parent))
     reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
@@ -249,7 +251,7 @@ def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats) -> NDArray[n
         if not own:
             continue
         kept[own] = False
-        if size > reach[junction]:
+        if size > reach[junction] and not is_inlet[own].all():
             near = everywhere.query_ball_point(graph.points[own], reach[own])
             if not all(kept[one].any() for one in near):
                 kept[own] = True
