@@ -3,7 +3,7 @@
 import slicer
 
 ONE_COLOR = "SDFStent.OneColor"
-VESSEL_COLOR, VESSEL_OPACITY = (0.85, 0.81, 0.78), 0.55
+VESSEL_COLOR, VESSEL_OPACITY = (0.85, 0.81, 0.78), 0.35
 """Lesions, lines and handles lie inside: before stents as after."""
 LINE_COLOR, LINE_WIDTH = (0.15, 0.35, 0.75), 3
 """Of centerlines; pixels."""
