@@ -149,7 +149,7 @@ def build(page: Any) -> None:
             classes="panel",
             raw_attrs=['role="main"'],
         )
-        html.Div(template.SPLIT)
+        html.Div(template.SPLIT, raw_attrs=['role="region" aria-label="Panel and view"'])
         with html.Div(classes="stage", raw_attrs=['role="region" aria-label="View and diameters"']):
             with html.Div(classes=("{ screen: true, placing: isPlacing }",)):
                 rca.RemoteControlledArea(

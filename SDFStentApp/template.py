@@ -261,7 +261,7 @@ OPENING = f"""
 """
 
 CHOOSER = f"""
-<div class="chooser" v-if="chooser.button" role="dialog" data-name="chooser">
+<div class="chooser" v-if="chooser.button" role="dialog" :aria-label="chooser.text" data-name="chooser">
 <form @submit.prevent="window.inOrder('choose', [chooser.button, chosenPath])">
 <label class="label" for="chosenPath">{{{{ chooser.text }}}}</label>
 <input id="chosenPath" type="text" v-model.lazy="chosenPath" list="choices" placeholder="path of the file">
