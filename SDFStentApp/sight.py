@@ -44,8 +44,8 @@ POINT = """let pointed = -1, told = -1, isTelling = false;
 const point = async station => {
   pointed = station;
   if (isTelling) return;
-  for (isTelling = true; told !== pointed;) await window.trame.trigger('point', [told = pointed]);
-  isTelling = false;
+  isTelling = true;
+  try { while (told !== pointed) await window.trame.trigger('point', [told = pointed]); } finally { isTelling = false; }
 };
 window.nearest = (event, values) => {
   const seen = event.currentTarget.getScreenCTM().inverse();

@@ -320,9 +320,12 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     lines = a_visit.page.locator(".results svg path")
     playwright.expect(lines).to_have_count(3)
     assert all(path.get_attribute("d").startswith("M") for path in lines.all())
-    box = a_visit.page.locator(".results svg").bounding_box()
-    a_visit.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    plot = a_visit.page.locator(".results svg")
+    box = plot.bounding_box()
+    # Near its upper edge: what is told of the place must not move the plot from under the pointer.
+    a_visit.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.1 * box["height"])
     a_visit.until("pointed", "before")
+    assert plot.bounding_box() == box
     pointed = a_visit.text("pointed")
     a_visit.seen(is_mark)
     table = a_visit.page.locator(".results table")
