@@ -44,9 +44,8 @@ class LesionMarks:
             self._numbers.SetNthControlPointSelected(number, number == index)
         if index is not None:
             points = self._lesions[index].line.resampled(SPACING).points
-            self._extent = _locked(createMark(CURVE, _("Selected lesion"), points))
-            for number in range(len(points)):
-                self._extent.SetNthControlPointVisibility(number, False)
+            texts = [""] * len(points)
+            self._extent = _locked(createMark(CURVE, _("Selected lesion"), points, texts))
 
 
 def _locked(node):

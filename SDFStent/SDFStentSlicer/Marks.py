@@ -6,7 +6,10 @@ from .Handles import removeWhole
 
 
 def createMark(className, name, points, texts=None):
-    """A markups node with a control point per row of `points`, which is in nobody's way; `texts` stand beside the points."""
+    """A markups node with a control point per row of `points`, which is in nobody's way.
+
+    `texts` stand beside the points; then one without a text is not seen.
+    """
     scene = slicer.mrmlScene
     node = scene.CreateNodeByClass(className)
     node.UnRegister(None)
@@ -15,6 +18,7 @@ def createMark(className, name, points, texts=None):
     node.SetSaveWithScene(False)
     for number, point in enumerate(points):
         node.AddControlPointWorld(point, texts[number] if texts else "")
+        node.SetNthControlPointVisibility(number, not texts or bool(texts[number]))
     selection = slicer.app.applicationLogic().GetSelectionNode()
     placed, className = selection.GetActivePlaceNodeID(), selection.GetActivePlaceNodeClassName()
     with slicer.util.NodeModify(selection):  # else it would be the one to which clicks add points

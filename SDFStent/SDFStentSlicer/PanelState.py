@@ -201,12 +201,9 @@ class PanelState:
         self.ui.beforeButton.text = _("After") if isBefore else _("Before")
         self.ui.stentEditor.enabled = self.ui.stentDetails.enabled = count > 0
         stent = stentOf(parameterNode)
-        isCurve = stent.placement == Placement.ALONG_CURVE
-        self.ui.wholeCurveCheckBox.enabled = isCurve
+        self.ui.wholeCurveCheckBox.enabled = stent.placement == Placement.ALONG_CURVE
         device, isByDevice = Sizes.detailsOf(stent).device, stent.deviceShortening
-        hasLength = not stent.placement.usesHandleLength or (isCurve and not stent.wholeCurve)
-        isOwn = device is not None and device.nominal_length is not None
-        self.ui.lengthSlider.enabled = hasLength and not isOwn
+        self.ui.lengthSlider.enabled = Sizes.hasFreeLength(stent)
         isKnown = device is not None or stent.placement == Placement.AGAIN
         isAsked = Sizes.asksForShortening(stent)
         self.ui.foreshorteningSlider.enabled = isAsked or not (isKnown and isByDevice)

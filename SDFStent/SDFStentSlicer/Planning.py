@@ -102,20 +102,33 @@ class Planning:
         if any(stent.handle is handle and stent.placement.needsCenterline for stent in stents):
             self._dragging.follow(handle, self._inputs.knownCenterline(parameterNode))
 
+    @staticmethod
+    def lying(parameterNode, centerline):
+        """The selected stent as the library's, and the `StentAxis` on which it will lie; None for one that cannot."""
+        stent = stentOf(parameterNode)
+        isThere = len(stentsOf(parameterNode)) and not Dependencies.missingOf(stent)
+        if not isThere or Sizes.refusal(stent):
+            return None
+        try:
+            planned = Plans.plannedStent(stent)
+            return planned, stent_axis(planned, centerline)
+        except InputError:
+            return None  # a deployment says why
+
+    def knowsCenterline(self, parameterNode):
+        """Whether the centerline is converted already, so that asking for it takes no time."""
+        return self._inputs.knownCenterline(parameterNode) is not None
+
     def stentEnds(self, parameterNode):
         """Where the selected stent ends, (2, 3), the proximal one first.
 
-        None for one whose length is not its own to set, for none that can lie, and before the centerline is known.
+        None where its length is not its own to set, and before the centerline is known.
         """
         stent, centerline = stentOf(parameterNode), self._inputs.knownCenterline(parameterNode)
-        if not len(stentsOf(parameterNode)) or centerline is None or not Sizes.hasFreeLength(stent):
+        if centerline is None or stent.placement not in Sizes.BY_POINT:
             return None
-        if Dependencies.missingOf(stent) or Sizes.refusal(stent):
-            return None
-        try:
-            return stent_axis(Plans.plannedStent(stent), centerline).points[[0, -1]]
-        except InputError:
-            return None  # a deployment says why
+        found = self.lying(parameterNode, centerline) if Sizes.hasFreeLength(stent) else None
+        return None if found is None else found[1].points[[0, -1]]
 
     def leadEnds(self, parameterNode, ends):
         """Keep a markups node with the ends of the selected stent on the centerline while the mouse moves one."""

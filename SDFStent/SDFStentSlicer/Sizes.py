@@ -54,10 +54,16 @@ def lengthOf(stent):
     return (device and device.nominal_length) or stent.length
 
 
+def hasLength(stent):
+    """Whether a stent has a length, rather than that of its handle."""
+    isPart = stent.placement == Placement.ALONG_CURVE and not stent.wholeCurve
+    return isPart or not stent.placement.usesHandleLength
+
+
 def hasFreeLength(stent):
-    """Whether the length of a stent about a point, or from one, is what is set."""
+    """Whether its length is what is set, rather than that of its device."""
     device = detailsOf(stent).device
-    return stent.placement in BY_POINT and (device is None or device.nominal_length is None)
+    return hasLength(stent) and (device is None or device.nominal_length is None)
 
 
 def asksForShortening(stent):
@@ -92,14 +98,11 @@ def shapeOf(stent):
 
 def stentAt(stent, placement, label=""):
     """The library's stent of these parameters at a place of its kind."""
-    hasLength = not stent.placement.usesHandleLength or (
-        stent.placement == Placement.ALONG_CURVE and not stent.wholeCurve
-    )
     isAgain = stent.placement == Placement.AGAIN
     isByDevice = stent.deviceShortening and (isAgain or detailsOf(stent).device is not None)
     sizes = StentSizes(
         stent.diameter,
-        lengthOf(stent) if hasLength else None,
+        lengthOf(stent) if hasLength(stent) else None,
         None if isByDevice else stent.foreshortening / 100,
     )
     return detailed_stent(stent.details, sizes, placement, label)

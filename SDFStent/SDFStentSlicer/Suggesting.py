@@ -6,12 +6,11 @@ import slicer
 
 from SDFStentLib.plan import read_details, stent_details
 from SDFStentLib.report import proposal_sentence
-from SDFStentLib.stent import stent_axis
 from SDFStentLib.treatment import SizingWishes, Vessel, stent_ratios, suggested
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import lesions_within
 
-from . import Dependencies, Handles, Plans, Sizes
+from . import Handles, Plans, Sizes
 from .StentList import StentList
 
 
@@ -75,16 +74,12 @@ class Suggesting:
     def ratios(self, parameterNode):
         """The selected stent's lesion, as of `lesionOf`, and its `SizeRatios` to it; None without one."""
         search = self.lesionSearch(parameterNode)
-        if search is None or not search.found or not len(parameterNode.stents):
+        if search is None or not search.found:
             return None
-        stent = parameterNode.stent
-        if Dependencies.missingOf(stent) or Sizes.refusal(stent):
+        lying = self.lying(parameterNode, self._inputs.centerline(parameterNode))
+        if lying is None:
             return None
-        try:
-            planned = Plans.plannedStent(stent)
-            axis = stent_axis(planned, self._inputs.centerline(parameterNode))
-        except InputError:
-            return None  # a deployment says why
+        planned, axis = lying
         for lesion in lesions_within(search.found, axis.points):
             return lesion, stent_ratios(planned, lesion)
         return None

@@ -86,7 +86,8 @@ def test_one_end_of_a_stent_between_two_points_is_dragged_alone(host, aStent, th
     assert besideTree(tree, [placeOf(aStent, 1)]).max() < 1e-3
 
 
-def endsOf(panel):
+def endsOf(host, panel):
+    host.processUntil(lambda: not panel.ends.isBusy)
     node = slicer.util.getNode("Ends of the stent")
     return np.array([node.GetNthControlPointPositionWorld(index) for index in range(2)])
 
@@ -101,11 +102,11 @@ def test_a_dot_at_an_end_is_dragged_for_the_length(host, aStent, theView, placem
     host.choose(ui.keptComboBox, kept)
     ui.foreshorteningSlider.value = 20.0
     for end in {0: (0, 1), 1: (0,), 2: (1,)}[placement]:  # at the other end is the handle
-        before, length = endsOf(aStent), ui.lengthSlider.value
+        before, length = endsOf(host, aStent), ui.lengthSlider.value
         pixels = [theView.pixel(point) for point in before]
         away = (pixels[end] - pixels[1 - end]) / np.linalg.norm(pixels[end] - pixels[1 - end])
         theView.drag([pixels[end] + step * away for step in (0.0, 10.0, 20.0, 30.0)])
-        after = endsOf(aStent)
+        after = endsOf(host, aStent)
         assert ui.lengthSlider.value > length + 1.0
         np.testing.assert_allclose(after[1 - end], before[1 - end], atol=0.02)
         assert besideTree(tree, after).max() < 1e-3
@@ -114,6 +115,7 @@ def test_a_dot_at_an_end_is_dragged_for_the_length(host, aStent, theView, placem
         np.testing.assert_allclose(lying.points[[0, -1]], after, atol=1e-3)
         assert lying.line.length == pytest.approx(0.8 * ui.lengthSlider.value, abs=0.02)
     host.click(ui.removeStentButton)
+    host.processUntil(lambda: not aStent.ends.isBusy)
     assert slicer.mrmlScene.GetFirstNodeByName("Ends of the stent") is None
 
 

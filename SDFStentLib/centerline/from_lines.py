@@ -207,9 +207,10 @@ def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
     parent = np.where(parent < 0, -1, parent).astype(np.int64)
     at_inlet = max(reach_of(graph, GAP_FRACTION, GAP_EXTENT)[root], GAP_EXTENT * graph.extent())
     at_root = np.linalg.norm(line_ends - graph.points[root], axis=2) <= at_inlet
-    ends = _meant_ends(at_root, line_ends)
+    # But the ends at the root of lines that begin there.
+    meant = line_ends[~(at_root & ~at_root[:, ::-1])]
     is_inlet = norm(graph.points - graph.points[root]) <= at_inlet
-    kept = _without_spurs(graph, parent, ends, is_inlet)
+    kept = _without_spurs(graph, parent, meant, is_inlet)
     children = np.flatnonzero(kept & (parent >= 0))
     count = len(parent)
     links = csr_matrix((np.ones(len(children)), (parent[children], children)), (count, count))
@@ -217,12 +218,6 @@ def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
     new_index = np.full(count + 1, -1, dtype=np.int64)
     new_index[order] = np.arange(len(order))
     return PointTree(graph.points[order], graph.radius[order], new_index[parent[order]])
-
-
-def _meant_ends(at_root: Flags, line_ends: Floats) -> Floats:
-    """Ends (k, 3) of lines (n, 2, 3), but those at the root (n, 2) of lines that begin there."""
-    meant: Floats = line_ends[~(at_root & ~at_root[:, ::-1])]
-    return meant
 
 
 def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats, is_inlet: Flags) -> Flags:

@@ -18,7 +18,7 @@ from ..common import Found, markdown
 from .case import load, read_wall
 from .judge import FILES, MINIMUM, PERCENT, PLACE, asked
 from .surface import Wall
-from .truth import Spheres, Truth
+from .truth import Course, Spheres, Truth, profile
 
 ERRORS = {
     "lumen": (MINIMUM, "narrowest lumen over the stent, %"),
@@ -57,8 +57,8 @@ def _treated(folder: Path, made: Path, lesion: int, truth: Truth) -> Found:
     report = json.loads((out / "report.json").read_text(encoding="utf-8"))
     (stent,) = report["stents"]
     wall = read_wall(out / "surface_stented.vtp")
-    stations, own = np.array(truth.stations), np.array(truth.own)
-    wide = _inscribed(wall, stations, np.maximum(own, stent["lumen_diameter_mm"]))
+    stations = np.array(truth.stations)
+    wide = _inscribed(wall, truth, stent["lumen_diameter_mm"])
     ends = [np.array(stent["axis"][f"{end}_mm"]) for end in ("start", "end")]
     first, last = sorted(int(np.linalg.norm(stations - one, axis=1).argmin()) for one in ends)
     lumen = stent["diameters"]["over_stented_length"]["after"]["minimum_mm"]
@@ -76,13 +76,13 @@ def _treated(folder: Path, made: Path, lesion: int, truth: Truth) -> Found:
     }
 
 
-def _inscribed(wall: Wall, stations: np.ndarray, wide: np.ndarray) -> np.ndarray:
-    """Diameters (n,) of the largest spheres across a vessel that is about so wide (n,)."""
+def _inscribed(wall: Wall, truth: Truth, lumen: float) -> np.ndarray:
+    """Diameters (n,) of the largest spheres across a vessel with a stent of some lumen, mm."""
+    stations, wide = np.array(truth.stations), np.maximum(truth.own, lumen)
     ways = np.gradient(stations, axis=0)
     ways /= np.linalg.norm(ways, axis=1)[:, None]
     spheres = Spheres(wall, stations, 1.4 * float(wide.max()) + 1)
-    found = [spheres.across(*one) for one in zip(stations, ways, 0.45 * wide, strict=True)]
-    return 2 * np.array([radius for _, radius in found])
+    return profile(spheres, Course(np.array(truth.along), stations, ways, wide / 2))[1]
 
 
 def _degree(truth: Truth, wide: np.ndarray) -> float:
