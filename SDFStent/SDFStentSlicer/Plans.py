@@ -201,8 +201,7 @@ def _rows(path, stents):
             )
         rowOf[number] = original = rowOf[stent.placement.number]
         if _isAtOnce(stent, number, stents, rows):
-            diameter = stent.diameter if stent.balloon is None else stent.balloon.diameter
-            rows[-1] = rows[-1]._replace(redilation=diameter)
+            rows[-1] = rows[-1]._replace(redilation=stent.inflated_diameter)
         else:
             rows.append(_Row(stent, original=original))
     return rows
@@ -213,9 +212,8 @@ def _isAtOnce(stent, number, stents, rows):
     first = number - 1
     if stent.placement.number != first or stents[first - 1] is not rows[-1].stent:
         return False
-    diameter = stent.diameter if stent.balloon is None else stent.balloon.diameter
     try:
-        again = library.dilated_again(rows[-1].stent, first, diameter)
+        again = library.dilated_again(rows[-1].stent, first, stent.inflated_diameter)
     except InputError:
         return False
     named = (stent.name, Sizes.nameAgain(rows[-1].stent.name), "")

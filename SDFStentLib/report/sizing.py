@@ -70,15 +70,13 @@ def _product_sentences(stent: Stent, devices: Sequence[Device]) -> list[str]:
 
 def _named(stent: Stent, devices: Sequence[Device]) -> list[str]:
     """The rows that are known at the sizes of a stent."""
-    balloon, nominal = stent.balloon, stent.length
-    widest = stent.diameter if balloon is None else balloon.diameter
     return [
         row.name
         for row in devices
         if not row.generic
         and (row.nominal_diameters or row.reported_diameters or row.lengths)
-        and (row.maximum_diameter is None or widest <= row.maximum_diameter)
-        and not any(one.kind == "device-range" for one in row.cautions(stent.diameter, nominal))
+        and (row.maximum_diameter is None or stent.inflated_diameter <= row.maximum_diameter)
+        and not any(one.kind == "device-range" for one in row.cautions(stent.diameter, stent.length))
         and _has_length(row, stent)
     ]
 

@@ -156,6 +156,11 @@ class Stent(ByValue):
         return self.diameter / 2.0
 
     @property
+    def inflated_diameter(self) -> float:
+        """Of the balloon that expands it, or its own where there is none, mm."""
+        return self.diameter if self.balloon is None else self.balloon.diameter
+
+    @property
     def widest_diameter(self) -> float:
         """Where it is widest, ends included, mm."""
         return self.diameter if self.shape is None else self.shape.widest(self.diameter)
@@ -188,8 +193,7 @@ class Stent(ByValue):
         """
         if self.device is None:
             return
-        balloon = 0.0 if self.balloon is None else self.balloon.diameter
-        widest = max(balloon, self.widest_diameter)
+        widest = max(self.inflated_diameter, self.widest_diameter)
         for caution in self.device.cautions(self.diameter, self.length, widest):
             # Where the user says how much it loses, what its row knows of that does not matter.
             if caution.kind != "device-shortening" or self.foreshortening_fraction is None:
