@@ -76,7 +76,9 @@ def _named(stent: Stent, devices: Sequence[Device]) -> list[str]:
         if not row.generic
         and (row.nominal_diameters or row.reported_diameters or row.lengths)
         and (row.maximum_diameter is None or stent.inflated_diameter <= row.maximum_diameter)
-        and not any(one.kind == "device-range" for one in row.cautions(stent.diameter, stent.length))
+        and not any(
+            one.kind == "device-range" for one in row.cautions(stent.diameter, stent.length)
+        )
         and _has_length(row, stent)
     ]
 
