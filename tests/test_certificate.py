@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 
 from SDFStentLib.certificate import certify, check_surface
 from SDFStentLib.certificate.face_quality import (
@@ -145,6 +146,44 @@ def test_a_point_drawn_across_its_neighborhood_inverts_faces(sphere):
     assert 0 < expected.sum() <= 4
     assert certificate.new_inverted.tolist() == np.flatnonzero(expected).tolist()
     assert "newly turned over" in certificate.sentence()
+
+
+def _drum(around=12, inside=6):
+    """A closed cylinder; one of its flat ends has points `inside`, which come last but one."""
+    turn = 2 * np.pi * np.arange(around) / around
+    rim = 5 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    turn = 2 * np.pi * np.arange(inside) / inside + 0.3
+    ring = 1.6 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    points = np.vstack([rim, rim + np.array([0, 0, 8]), ring, [0, 0, 8]])
+    ids = np.r_[np.arange(around), 2 * around + np.arange(inside)]
+    end = ids[Delaunay(points[ids, :2]).simplices]
+    end = np.where((_seen_from_below(points, end) < 0)[:, None], end[:, [0, 2, 1]], end)
+    a, b = np.arange(around), np.roll(np.arange(around), -1)
+    wall = np.vstack([np.stack([a, b, a + around], 1), np.stack([b, b + around, a + around], 1)])
+    top = np.stack([a + around, b + around, np.full(around, len(points) - 1)], axis=1)
+    return points, np.vstack([wall, top, end]), end, slice(2 * around, 2 * around + inside)
+
+
+def _seen_from_below(points, triangles):
+    one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
+    return -np.cross(one, other)[:, 2]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_flat_end_that_is_pushed_over_its_rim_is_not_certified(seed):
+    """In its plane the last bits of the coordinates decide whether it meets itself: 14 % passed."""
+    random = np.random.default_rng(seed)
+    points, triangles, end, inside = _drum()
+    after = points.copy()
+    size = np.r_[random.uniform(4.2, 5.6), np.full(5, 4.6)] / 1.6
+    after[inside] *= size[:, None]
+    turned = (_seen_from_below(after, end) < 0).sum()
+    after[:, 2] += 1e-16 * random.normal(size=len(after))
+    if seed % 2:
+        frame = np.linalg.qr(random.normal(size=(3, 3)))[0]
+        frame *= np.sign(np.linalg.det(frame))
+        points, after = points @ frame + 100, after @ frame + 100
+    assert certify(Surface(points, triangles), after).passed == (turned == 0)
 
 
 def test_a_collapsed_face_is_new_without_area(sphere):

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cautions import Caution
-from ..geometry import NO_HEIGHT, compacted, face_normals, faces_at
-from ..validation import Floats, Indices, Place, Points, Triangles, as_place, read_only
+from ..geometry import NO_HEIGHT, compacted, dot, face_normals, faces_at, paired_sides
+from ..validation import Flags, Floats, Indices, Place, Points, Triangles, as_place, read_only
 
 _ROUNDING = 8 * 2.0**-53
 """Relative rounding of a cross product: below it two sides cannot be told from parallel ones."""
@@ -24,6 +24,11 @@ OPPOSED = -0.2
 One face upside down in a flat wall has (3 - 15) / 18 = -0.67. Faces in pleats of tissue beside a
 stent, which intersect nothing, came out just below 0 on the pulmonary artery.
 """
+
+
+DOUBTFUL = 0.3
+"""The same above which none lies upside down. Two of a flat cap, which a stent pushed out over its
+rim, had -0.07: they oppose the cap, and the wall at their other corners is square to both."""
 
 
 def degenerate_triangles(
@@ -59,8 +64,9 @@ def inverted_triangles(
     corners by a mean cosine below `OPPOSED`, itself included; a neighbour across an edge so counts
     twice, one at a corner once. This finds one face, or a few side by side, that lie upside down in
     a smooth wall. It leaves alone a face on a sharp ridge or in a pleat, where about as many
-    neighbours agree with it as oppose it, and the corners of a box. Faces without area have no
-    normal and do not count either way.
+    neighbours agree with it as oppose it, and the corners of a box, unless it is folded flat onto a
+    neighbour: nothing can be meshed between, and whether they intersect is left to the last bits of
+    their coordinates. Faces without area have no normal and do not count either way.
 
     Parameters
     ----------
@@ -87,10 +93,32 @@ def inverted_triangles(
     agreement = sum(column * around(column) for column in normals.T)
     x, y, z = normals.T != 0
     has_normal = x | y | z
-    is_turned = has_normal & (agreement < OPPOSED * around(has_normal))
+    at_all = around(has_normal)
+    is_turned = has_normal & (agreement < OPPOSED * at_all)
+    doubtful = has_normal & ~is_turned & (agreement < DOUBTFUL * at_all)
+    is_turned[_folded_flat(used, local, doubtful)] = True
     is_judged = np.zeros(len(triangles), dtype=bool)
     is_judged[judged] = True
     return near[is_turned & is_judged[near]]
+
+
+def _folded_flat(points: Points, triangles: Triangles, doubtful: Flags) -> Indices:
+    """Those of some faces (m,) that lie on one beyond a side of theirs, but for `NO_HEIGHT`."""
+    if not doubtful.any():
+        return np.empty(0, dtype=np.int64)
+    at_doubtful = np.zeros(len(points), dtype=bool)
+    at_doubtful[triangles[doubtful]] = True
+    near = np.flatnonzero(faces_at(at_doubtful, triangles))
+    face, side = np.divmod(paired_sides(triangles[near]).T, 3)
+    face = near[face]
+    start, end, apex = (points[triangles[face, (side + k) % 3]] for k in range(3))
+    along = end[0] - start[0]
+    one, other = np.cross(along, apex[0] - start[0]), np.cross(along, apex[1] - start[0])
+    size = np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1)
+    apart = np.linalg.norm(np.cross(one, other), axis=1)
+    is_folded = (dot(one, other) > 0) & (apart <= NO_HEIGHT * size)
+    folded = face[:, is_folded].ravel()
+    return folded[doubtful[folded]]
 
 
 def _sides_and_areas(
