@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from oracle import PlainField
 from oracle import field as fold_from_the_distal_end
 
+from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.field import FOLDS, CapsuleChain, Field
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13
@@ -127,6 +128,12 @@ def test_the_gradient_is_that_of_the_distance(name, k):
     assert np.quantile(error, 0.95) < 1e-4
     if k:
         assert error.max() < 1e-4
+
+
+def test_a_chain_is_by_itself_what_a_deployment_takes():
+    chain, settled = CapsuleChain.along(AXES["bent"]), DeploymentSettings().chain(AXES["bent"])
+    np.testing.assert_array_equal(chain.nodes, settled.nodes)
+    assert (chain.smoothing_width, chain.fold) == (settled.smoothing_width, settled.fold)
 
 
 def test_the_distance_to_one_capsule_is_known_in_closed_form():

@@ -75,6 +75,16 @@ def test_no_wall_lies_inside_of_a_steep_stent(name, phantom_name, edge_length):
     assert shares[:, 0].min() > 1 - TOLERANCE
 
 
+def test_a_long_edge_is_looked_at_in_more_places():
+    vessel = phantom("stenosed_tube", radius=5.0, throat_radius=3.5, edge_length=3.0)
+    step = Shape(table=((0, 10.0), (0.5, 10.0), (0.51, 13.0), (1, 13.0)))
+    result = treated(vessel, step).result
+    assert result.certificate.passed, result.certificate.sentence()
+    (stent,) = result.stents
+    shares = over_profile(result.surface, stent.axis.points, stent.axis.profile)
+    assert shares[:, 0].min() > 1 - 0.02  # three places leave 0.03
+
+
 @pytest.mark.parametrize("shape", [
     Shape(start=StentEnd(12.0, 2.0)),
     Shape(waist=Waist(7.0, 0.5, 3.0)),
