@@ -163,9 +163,9 @@ def test_a_branch_that_is_dilated_takes_no_smaller_share(seed):
 
 
 def test_narrowings_on_both_sides_of_any_share_tell_nearly_the_same():
-    x = np.linspace(0, 200, 2001)
-    depths = np.r_[0.0, np.linspace(0.003, 0.499, 249)]  # 0.2 % apart
-    for flow in (2e-6, 10e-6, 20e-6):
+    x = np.linspace(0, 200, 1001)
+    depths = np.r_[0.0, np.linspace(0.003, 0.499, 125)]  # 0.4 % apart
+    for flow in (2e-6, 20e-6):
         tubes = [block(x, throat(x, depth), flow=1e6 * flow) for depth in depths]
         costs = np.array([one.resistance[0] * flow + one.stenosis[0] * flow**2 for one in tubes])
         costs = (costs[1:] - costs[0]) / MMHG
@@ -238,7 +238,7 @@ def lost_to_outlets(channels):
     return flow / 40e-6, np.sort(lost) / MMHG
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", seeds(2, 4))
 def test_lines_that_wander_in_their_lumen_tell_the_same_flow(a_tree, seed):
     made, (shares, lost) = a_tree
     assert shares == pytest.approx(8 * [1 / 8], rel=0.03)

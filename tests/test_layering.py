@@ -11,6 +11,8 @@ from pathlib import Path
 
 from child_processes import PROJECT, python
 
+from SDFStentLib.cautions import TEMPLATES
+
 LIBRARY = PROJECT / "SDFStentLib"
 FLOORS = (
     ("validation", "parameter", "cautions", "units", "version"),
@@ -63,6 +65,7 @@ OUTSIDERS = [
     for path in sorted((PROJECT / folder).rglob("*.py"))
     if "Testing" not in path.parts
 ]
+WITH_PANEL = FILES + sorted((PROJECT / "SDFStent" / "SDFStentSlicer").rglob("*.py"))
 VTK_GATE = {  # the only files that may import vtk themselves
     "files/polydata.py", "files/centerline_files.py", "files/centerline_output.py",
     "files/surface_files.py", "files/surface_output.py", "files/triangulation.py",
@@ -322,7 +325,7 @@ def test_no_room_grows_too_full():
 
 
 def test_every_while_says_why_it_ends():
-    for path in FILES + sorted((PROJECT / "SDFStent" / "SDFStentSlicer").rglob("*.py")):
+    for path in WITH_PANEL:
         lines = path.read_text(encoding="utf-8").splitlines()
         for node in nodes_of(path):
             if isinstance(node, ast.While):
@@ -363,3 +366,33 @@ def test_every_text_file_is_opened_with_its_encoding():
         for node in nodes_of(path)
         if isinstance(node, ast.Call) and without_encoding(node)
     ]
+
+
+# Warnings are values; their sentences are made once, at the end, and read by nobody but people.
+
+
+def test_every_kind_of_caution_is_made_somewhere_and_says_one_sentence():
+    nodes = [node for path in FILES if path.name != "cautions.py" for node in nodes_of(path)]
+    made = {node.value for node in nodes if isinstance(node, ast.Constant)}
+    assert set(TEMPLATES) <= made
+    for kind, template in TEMPLATES.items():
+        assert re.fullmatch(r"[a-z]+(-[a-z]+)*", kind)
+        assert template.endswith((".", "{reason}"))
+
+
+def test_no_code_looks_for_words_in_a_sentence():
+    """A sentence, a caution or an error turned into text is neither searched, cut nor changed."""
+    readers = {"replace", "startswith", "endswith", "split", "partition", "find", "index", "count"}
+    about = re.compile(r"sentence|caution|warning|gap\b|str\(error\)")
+    found = []
+    for path in WITH_PANEL:
+        for node in nodes_of(path):
+            read = None
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+                read = node.func.value if node.func.attr in readers else None
+            elif isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
+                read = node.comparators[0] if isinstance(node.left, ast.Constant) else None
+            # A writer knows only the name that its file has while it is written.
+            if read and about.search(ast.unparse(read)) and "str(staged)" not in ast.unparse(node):
+                found.append(f"{path.relative_to(PROJECT)}:{node.lineno}: {ast.unparse(node)}")
+    assert not found

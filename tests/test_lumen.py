@@ -152,8 +152,10 @@ def test_wall_outside_the_stent_is_dragged_no_farther_than_it_was_away():
     assert (after < 2 * np.maximum(native, 0) + 1e-4).all()
 
 
-@pytest.mark.parametrize(("throat", "slope"), [(0.9, 16), (1.5, 16), (0.9, 8)])
-@pytest.mark.parametrize(("diameter", "length"), [(3.0, 14), (4.0, 22), (4.5, 14), (4.5, 22)])
+@pytest.mark.parametrize(
+    ("throat", "slope", "diameter", "length"),
+    [(0.9, 16, 3.0, 14), (0.9, 16, 4.5, 22), (1.5, 16, 4.0, 22), (0.9, 8, 4.5, 14)],
+)
 def test_a_lumen_that_a_stent_does_not_reach_is_not_widened(throat, slope, diameter, length):
     """The wall of the slopes went out by up to a tenth, dragged by what the throat's wall did."""
     made = phantom(

@@ -61,8 +61,9 @@ def ostia_of(surface, axis, centerline=None, **options):
     return find_ostia(surface, way, centerline=centerline, **options)
 
 
-@pytest.mark.parametrize("angle_deg", [90.0, 60.0, 45.0])
-@pytest.mark.parametrize("start", [10.0, 27.0, 31.0, 40.0])
+@pytest.mark.parametrize(
+    ("angle_deg", "start"), [(90, 27), (90, 40), (60, 10), (60, 31), (45, 27), (45, 31)]
+)
 def test_the_ostium_of_a_straight_branch_is_where_the_two_cylinders_meet(angle_deg, start):
     """The rim of a thin tube on a cylinder: nearest and farthest corner lie in their plane."""
     patch = a_tee(angle_deg)
@@ -148,7 +149,7 @@ def test_a_stent_below_a_junction_covers_a_part(data_dir, below, share):
         assert ostium.start < 0 < ostium.end
 
 
-@pytest.mark.parametrize(("below", "number"), [(12, 0), (14, 1), (16, 0)])
+@pytest.mark.parametrize(("below", "number"), [(12, 0), (16, 1)])
 def test_stents_below_a_junction_agree_with_rays(data_dir, below, number):
     surface, tree = vessel(data_dir, "iliac, reduced-order")
     path = tree.path(tree.points[tree.junctions[0]], tree.points[tree.leaves[number]])
