@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
-from SDFStentLib.geometry import Line, Surface, SurfaceIndex
-from SDFStentLib.geometry.distance import closest_points_on_triangles
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import (
     DiameterProfile,
     diameter_profile,
@@ -16,8 +15,6 @@ from SDFStentLib.lumen import (
     face_stretches,
     inscribed_spheres,
 )
-from SDFStentLib.lumen.spheres import climb
-from SDFStentLib.lumen.spheres.wall_points import WallPoints
 from SDFStentLib.validation import InputError
 
 ROUNDING = 1e-9  # mm: algebra on coordinates below 100 mm
@@ -78,55 +75,7 @@ def largest_circle_in_convex_polygon(outline):
     return -solved.fun
 
 
-def a_random_mesh(seed, count=300):
-    """Triangles of very different sizes: needles, crumbs, segments and points among them."""
-    rng = np.random.default_rng(seed)
-    size = 10.0 ** rng.uniform(-3, 1, (count, 1, 1))
-    corners = rng.uniform(-10, 10, (count, 1, 3)) + size * rng.normal(size=(count, 3, 3))
-    corners[:10, 2] = corners[:10, 1]
-    corners[10:15] = corners[10:15, :1]
-    corners[15:25, 2] = (corners[15:25, 0] + corners[15:25, 1]) / 2
-    return corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
-
-
-# Distance to a surface
-
-
-def test_the_distance_to_a_surface_is_that_of_the_plain_search_over_all_triangles():
-    points, triangles = a_random_mesh(seed=3)
-    queries = np.random.default_rng(4).uniform(-15, 15, (200, 3))
-    found = SurfaceIndex(points, triangles).distances(queries)
-    every = np.stack(
-        [
-            np.linalg.norm(
-                queries - closest_points_on_triangles(queries, np.tile(corners, (200, 1, 1))),
-                axis=1,
-            )
-            for corners in points[triangles]
-        ]
-    )
-    np.testing.assert_allclose(found.distance, every.min(axis=0), rtol=0, atol=ROUNDING)
-    np.testing.assert_allclose(
-        np.linalg.norm(queries - found.closest_point, axis=1), found.distance, atol=ROUNDING
-    )
-
-
 # Inscribed spheres
-
-
-@pytest.mark.parametrize("offset", [0.0, 0.5, 0.9, 0.999])
-def test_the_sphere_in_a_tube_has_the_apothem_of_its_facets_from_any_start(offset):
-    points, triangles = a_round_tube(radius=4.0, count=24)
-    apothem = 4.0 * np.cos(np.pi / 24)
-    found = inscribed_spheres(
-        points,
-        triangles,
-        stations([offset * apothem, 0, 19.3], [0, -offset * apothem, 21.0]),
-        upward(2),
-    )
-    np.testing.assert_allclose(found.radii, apothem, rtol=0, atol=1e-5)
-    np.testing.assert_allclose(found.centers[:, :2], 0, atol=1e-4)
-    np.testing.assert_allclose(found.centers[:, 2], [19.3, 21.0], atol=ROUNDING)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -146,34 +95,6 @@ def _weights(seed, corners, count):
     return np.random.default_rng(seed + 100).dirichlet(np.ones(corners), size=count)
 
 
-def test_the_radius_is_the_distance_from_the_centre_to_the_surface():
-    points, triangles = a_round_tube(count=30)
-    points = points + 0.1 * np.random.default_rng(0).normal(size=points.shape)
-    found = inscribed_spheres(points, triangles, np.linspace([1, 0, 8], [0, 1, 30], 23))
-    measured = SurfaceIndex(points, triangles).distances(found.centers).distance
-    np.testing.assert_allclose(found.radii, measured, rtol=0, atol=ROUNDING)
-
-
-@pytest.mark.parametrize(("roughly", "finer"), [(100, 30), (3, 2)])
-def test_a_fine_surface_is_searched_among_its_points_with_the_same_result(
-    monkeypatch, roughly, finer
-):
-    points, triangles = a_round_tube(count=90, length=60, spacing=0.6)
-    points = points * [1.0, 0.8, 1.0]
-    starts = np.linspace([2.0, 0.5, 20], [-1.5, 0, 40], 12)
-    monkeypatch.setattr(climb, "_ROUGHLY", np.inf)
-    plain = inscribed_spheres(points, triangles, starts)
-    levels = []
-    monkeypatch.setattr(
-        climb, "WallPoints", lambda *given: levels.append(given[1]) or WallPoints(*given)
-    )
-    monkeypatch.setattr(climb, "_ROUGHLY", roughly)
-    monkeypatch.setattr(climb, "_FINER", finer)
-    fine = inscribed_spheres(points, triangles, starts)
-    assert len(levels) >= (1 if roughly == 100 else 4)
-    np.testing.assert_allclose(fine.radii, plain.radii, rtol=0, atol=1e-4)
-
-
 def test_a_sphere_does_not_pass_through_the_wall_into_a_larger_vessel_beside():
     narrow, wide = an_ellipse(24, 1, 1), an_ellipse(48, 6, 6) + np.array([7.05, 0])
     first, first_triangles = a_tube(narrow, np.arange(0, 41, 0.5))
@@ -185,28 +106,7 @@ def test_a_sphere_does_not_pass_through_the_wall_into_a_larger_vessel_beside():
     np.testing.assert_allclose(found.radii, np.cos(np.pi / 24), rtol=0, atol=1e-5)
 
 
-def test_rigid_motion_moves_the_spheres_along_and_scaling_scales_them():
-    from scipy.spatial.transform import Rotation
-
-    points, triangles = a_round_tube(count=20)
-    points = points * [1, 0.7, 1] + 0.05 * np.random.default_rng(1).normal(size=points.shape)
-    starts = np.linspace([0.5, 0.3, 10], [0, 0, 30], 9)
-    rotation = Rotation.from_euler("xyz", [0.4, -1.0, 2.0])
-    before = inscribed_spheres(points, triangles, starts)
-    after = inscribed_spheres(
-        2 * rotation.apply(points) + 7, triangles, 2 * rotation.apply(starts) + 7
-    )
-    np.testing.assert_allclose(after.radii, 2 * before.radii, rtol=0, atol=1e-4)
-
-
 # Cross-sections and profiles
-
-
-def test_the_equivalent_diameter_is_that_of_the_polygon_round_the_axis_point():
-    points, triangles = a_round_tube(radius=4.0, count=24)
-    area = 24 / 2 * 16 * np.sin(2 * np.pi / 24)
-    found = equivalent_diameters(points, triangles, stations([1, 2, 20.5], [0, 0, 3]), upward(2))
-    np.testing.assert_allclose(found, 2 * np.sqrt(area / np.pi), rtol=0, atol=ROUNDING)
 
 
 def test_a_plane_through_vertices_still_finds_its_closed_loop():
@@ -322,16 +222,3 @@ def test_displacements_are_lengths_and_need_two_states_of_one_mesh():
     np.testing.assert_allclose(displacements([[0, 0, 0]], [[3, 4, 0]]), 5)
     with pytest.raises(InputError, match="expected the 1 points of the state before, got 2"):
         displacements([[0, 0, 0]], [[3, 4, 0], [0, 0, 0]])
-
-
-def test_the_nearest_point_of_a_triangle_is_no_farther_than_any_sample_of_it():
-    rng = np.random.default_rng(5)
-    corners, queries = rng.normal(size=(200, 3, 3)), 2 * rng.normal(size=(200, 3))
-    closest = closest_points_on_triangles(queries, corners)
-    weights = rng.dirichlet(np.ones(3), size=2000)
-    samples = np.einsum("sk,nkj->nsj", weights, corners)
-    sampled = np.linalg.norm(samples - queries[:, None], axis=2).min(axis=1)
-    distance = np.linalg.norm(queries - closest, axis=1)
-    assert (distance <= sampled + ROUNDING).all()
-    # 2000 samples of a triangle with sides of about 2 lie within 0.3 of any of its points.
-    assert (sampled - distance).max() < 0.3
