@@ -87,26 +87,22 @@ def test_a_short_thin_stent_from_which_all_wall_is_far_hangs_free():
 
 
 @pytest.mark.parametrize(
-    ("with_tree", "with_faces", "name"),
-    [
-        (True, True, "branch of 15.3 mm at 19 mm"),
-        (True, False, "branch of 15.3 mm at 19 mm"),
-        (False, True, "side branch of 14.6 mm at 19 mm"),
-        (False, False, "side branch of 14.6 mm at 19 mm"),
-    ],
+    ("is_known", "name"),
+    [(True, "branch of 15.3 mm at 19 mm"), (False, "side branch of 14.6 mm at 19 mm")],
 )
-def test_a_covered_branch_that_is_pinched_is_told(data_dir, with_tree, with_faces, name):
+def test_a_covered_branch_that_is_pinched_is_told(data_dir, is_known, name):
+    """With the tree and the faces of a vessel, and without both."""
     file = read_surface(data_dir / "pulmonary_surface_cm.vtp", units="cm")
     tree = read_centerline(data_dir / "pulmonary_centerline_cm.vtp", units="cm")
     stent = Stent(20, length=25, placement=AtCenter((27.16, -54.26, 67.09)))
-    if not with_tree:
+    if not is_known:
         stent = Stent(20, placement=AlongAxis(stent_axis(stent, tree).points))
     result = Treatment(
         file.surface,
         [stent],
-        tree if with_tree else None,
+        tree if is_known else None,
         DeploymentSettings(certify=False),
-        faces=file.faces if with_faces else None,
+        faces=file.faces if is_known else None,
     ).result
     (treated,) = result.stents
     *ends, branch = treated.neighbors

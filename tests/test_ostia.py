@@ -19,7 +19,7 @@ from SDFStentLib.lumen import ExtendedAxis, extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.stent import AtProximalEnd, BetweenPoints, Stent, stent_axis
+from SDFStentLib.stent import BetweenPoints, Stent, stent_axis
 from SDFStentLib.vessel import find_ostia
 
 AORTA = ("vmtk_aorta_surface_mm.vtp", "mm")
@@ -137,32 +137,6 @@ def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     assert np.ptp(extents, axis=0).max() < 0.5
 
 
-@pytest.mark.parametrize(("below", "share"), [(12, (0.1, 0.25)), (14, (0.01, 0.1))])
-def test_a_stent_below_a_junction_covers_a_part(data_dir, below, share):
-    surface, tree = vessel(data_dir, "iliac, reduced-order")
-    for leaf in tree.leaves:
-        path = tree.path(tree.points[tree.junctions[0]], tree.points[leaf])
-        place = AtProximalEnd(Line(path.points).cut(below, below + 1).points[0])
-        axis = stent_axis(Stent(12, length=25, placement=place), tree)
-        (ostium,) = ostia_of(surface, axis.points, tree)
-        assert share[0] < ostium.covered_share < share[1]
-        assert ostium.start < 0 < ostium.end
-
-
-@pytest.mark.parametrize(("below", "number"), [(12, 0), (16, 1)])
-def test_stents_below_a_junction_agree_with_rays(data_dir, below, number):
-    surface, tree = vessel(data_dir, "iliac, reduced-order")
-    path = tree.path(tree.points[tree.junctions[0]], tree.points[tree.leaves[number]])
-    line = Line(path.points).cut(below, below + 25).points
-    way = extended_axis(surface, line, tree)
-    extent = (way.points, way.before, way.stent_length)
-    ((truth,),) = openings_at(surface.points, surface.triangles, *extent, [1.15])
-    (ostium,) = find_ostia(surface, way)
-    edge = edge_near(surface, ostium.center)
-    np.testing.assert_allclose([ostium.start, ostium.end], truth[:2], atol=edge)
-    assert ostium.covered_share == pytest.approx(truth.share, abs=0.02)
-
-
 def test_a_tree_stored_backward_gives_the_same_ostia(data_dir):
     for form in FORMS:
         surface, tree = vessel(data_dir, form)
@@ -175,33 +149,6 @@ def test_a_tree_stored_backward_gives_the_same_ostia(data_dir):
         assert len(one) == len(other) > 0
         extents = [[(o.start, o.end, o.covered_share) for o in found] for found in (one, other)]
         np.testing.assert_allclose(*extents, atol=0.05)
-
-
-def test_an_axis_alone_finds_the_branches_of_the_surface(data_dir):
-    surface, tree = vessel(data_dir, "overlapping")
-    line = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]]).points
-    axis = Line(line).cut(25, 55).points
-    (without,), (with_tree,) = (ostia_of(surface, axis, own) for own in (None, tree))
-    assert without.is_fully_covered
-    assert with_tree.is_fully_covered
-    edge = edge_near(surface, with_tree.center)
-    assert abs(without.end - with_tree.end) < edge
-    # The upper lip is gentle: each is held against rays from its own way through the vessel.
-    for ostium, own in ((without, None), (with_tree, tree)):
-        way = extended_axis(surface, axis, own)
-        extent = (way.points, way.before, way.stent_length)
-        found = openings_at(surface.points, surface.triangles, *extent, [1.13, 1.17])
-        (wide,), (narrow,) = found
-        assert wide.start - edge < ostium.start < narrow.start + edge
-
-
-def test_a_reversed_axis_sees_the_same_ostium_from_its_other_end(data_dir):
-    surface, tree = vessel(data_dir, "iliac, reduced-order")
-    line = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]]).points
-    axis = Line(line).cut(205, 235).points
-    (one,), (other,) = (ostia_of(surface, a, tree) for a in (axis, axis[::-1]))
-    np.testing.assert_allclose([30 - other.end, 30 - other.start], [one.start, one.end], atol=1.0)
-    assert other.covered_share == pytest.approx(one.covered_share, abs=0.05)
 
 
 def a_random_stent(folder, seed):

@@ -50,7 +50,7 @@ def widest_way(points, triangles, ends, places):
     return float(min(least, room[at]))
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_it_is_as_wide_as_a_throat_wherever_the_way_begins(seed):
     random = np.random.default_rng(seed)
     tube = stenosed_tube(3.0, 1.2, edge_length=0.4)
