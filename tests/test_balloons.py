@@ -75,31 +75,6 @@ def test_recoil_is_7_percent_and_10_in_a_narrow_lumen_or_with_a_wide_balloon(
     assert found.reason.startswith(usual if recoil == 0.07 else "more than that was seen where the")
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: Balloon(0, 0.1), "balloon diameter: expected a number greater than 0"),
-        (lambda: Balloon(101, 0.1), "diameter: expected a number greater than 0 and at most 100"),
-        (lambda: Balloon(8, -0.1), "recoil: expected a number at least 0 and at most 0.5, got -0."),
-        (lambda: Balloon(8, 7), "recoil: expected a number at least 0 and at most 0.5, got 7"),
-        (lambda: Balloon(8, math.nan), "recoil: expected a number"),
-        (lambda: a_stent_by(8.0, Balloon(8, 0.1)), "expected 7.2 mm, the lumen that a balloon of"),
-        (
-            lambda: Stent(19.8, placement=CENTER, device=a_device(), balloon=Balloon(24.75, 0.2)),
-            "balloon diameter: expected at most 22 mm, the largest",  # though its lumen is not
-        ),
-    ],
-)
-def test_a_balloon_that_cannot_be_is_refused(make, words):
-    with pytest.raises(InputError, match=words):
-        make()
-    a_stent_by(7.2, Balloon(8, 0.1))
-
-
-def a_stent_by(diameter, balloon):
-    return Stent(diameter, placement=CENTER, length=20, balloon=balloon)
-
-
 # ---- what is kept
 
 

@@ -352,48 +352,6 @@ def test_whatever_the_lines_the_answer_is_one_tree_or_a_sentence(points, data):
     assert len(tree.ancestry(int(tree.leaves[0]))) >= 2
 
 
-ONE_LINE = [[0, 1]]
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: Centerline.from_lines([[0, 0, 0]], [[0]]), r"got 1 point\(s\) at one place"),
-        (lambda: Centerline.from_lines(np.ones((4, 3)), [[0, 1, 2, 3]]), "two different points"),
-        (lambda: Centerline.from_lines(np.eye(3), []), "got 3 points and no line"),
-        (lambda: Centerline.from_lines(np.eye(3), [[]]), "got 3 points and no line"),
-        (lambda: Centerline.from_lines([], []), "got 0 points and no line"),
-        (lambda: Centerline.from_lines(np.eye(3), [[0, 3]]), "indices from 0 to 2, got 0 to 3"),
-        (lambda: Centerline.from_lines(np.eye(3), [[0, -1]]), "got -1 to 0"),
-        (lambda: Centerline.from_lines(np.eye(3), [[0.5, 1]]), "line 0: expected a list of point"),
-        (lambda: Centerline.from_lines(np.eye(3) * np.nan, ONE_LINE), "NaN or infinity at 3"),
-        (
-            lambda: Centerline.from_lines(np.eye(3), ONE_LINE, [1, 2]),
-            r"3 centerline points.*\(2,\)",
-        ),
-        (
-            lambda: Centerline.from_lines(np.eye(3), ONE_LINE, list("abc")),
-            "radius: expected numbers",
-        ),
-        (lambda: Centerline.from_lines(np.eye(3), ONE_LINE, inlet=[1, 2]), "inlet: expected shape"),
-        (lambda: Centerline(np.eye(3)[:1], [1], [-1]), "at least 2 points, got 1"),
-        (lambda: Centerline(np.eye(3), [1, 1, 1], [1, 2, 0]), "circle that holds point 2"),
-        (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, 0, 3]), "expected -1 to 2, got -1 to 3"),
-        (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, 0]), "expected 3 integers"),
-        (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, -1, -1]), "got roots only"),
-        (lambda: Centerline([[1, 2, 3]], [1], [-1]), "at least 2 points, got 1"),
-        (lambda: a_fork().project([1, 2, np.nan]), "point: expected finite coordinates"),
-        (lambda: a_fork().path_around(FORK, 0), "length: expected a number greater than 0"),
-        (lambda: a_fork().path_from_distal(FORK, np.nan), "length: expected a number"),
-        (lambda: a_fork().resampled(-1), "spacing: expected a number greater than 0"),
-        (lambda: a_fork().with_points(np.eye(3)), "integers"),
-    ],
-)
-def test_unusable_input_gives_one_sentence(call, message):
-    with pytest.raises(InputError, match=message):
-        call()
-
-
 def test_points_on_different_trees_have_no_path():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [9, 0, 0], [10, 0, 0]])
     forest = Centerline(points, np.ones(4), [-1, 0, -1, 2])

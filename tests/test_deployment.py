@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from deployment_cases import anatomy_case, hairpin, phantom, phantom_case
+from deployment_cases import anatomy_case, phantom, phantom_case
 
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.geometry import Precision
-from SDFStentLib.validation import InputError
 
 DEFAULT = DeploymentSettings()
 PUBLISHED = DeploymentSettings.published()
@@ -130,25 +129,3 @@ def test_the_crimped_stent_never_starts_beyond_the_wall(case):
 
 
 # Refusals ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"radius": 0}, "stent radius: expected a number greater than 0 .mm., got 0"),
-        ({"radius": float("nan")}, "stent radius: expected a number"),
-        (
-            {"chain": hairpin()},
-            "expected a CapsuleChain, got .ndarray.; .* CapsuleChain.along",
-        ),
-        (
-            {"surface": np.eye(3)},
-            "expected a Surface, got .ndarray.; .* by Surface.points",
-        ),
-    ],
-    ids=lambda value: value if isinstance(value, str) else "",
-)
-def test_bad_input_is_refused_at_once(case, change, message):
-    usual = {"surface": case.surface, "chain": DEFAULT.chain(case.axis), "radius": case.radius}
-    with pytest.raises(InputError, match=message):
-        Deployment(**{**usual, **change})

@@ -111,29 +111,6 @@ def test_a_name_is_found_in_any_case_and_near_ones_are_offered():
 # ---- what is refused
 
 
-@pytest.mark.parametrize(
-    ("stent", "words"),
-    [
-        ({"diameter": 22.5}, r"stent diameter: expected at most 22 mm, the largest diameter of"),
-        ({"length": 30}, r"stent length: expected 34 mm, the length of bench-34, got 30 mm"),
-        (
-            {"placement": BetweenPoints([0, 0, 0], [0, 0, 9])},
-            "expected one point for bench-34, which is 34 mm long, got two",
-        ),
-        (
-            {"foreshortening_fraction": 0.1},
-            "expected none with bench-34, whose lengths are known, got 0.1",
-        ),
-        ({"diameter": 21}, "its length is known from 12 to 20 mm of diameter, not at 21 mm"),
-        ({"device": "bench-34"}, "device: expected a Device, got 'bench-34'"),
-    ],
-)
-def test_a_stent_that_its_device_rules_out_is_refused(stent, words):
-    values = {"diameter": 15.0, "placement": CENTER, "device": a_device(), **stent}
-    with pytest.raises(InputError, match=words):
-        Stent(**values)
-
-
 def test_a_shortening_that_is_not_known_is_asked_for_and_never_made_up():
     device = device_named("numed-cp")
     with pytest.raises(InputError, match="device numed-cp: its shortening is not known; say how"):

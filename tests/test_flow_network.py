@@ -380,23 +380,6 @@ def test_a_flow_without_a_unit_or_none_is_refused(text):
         flow_value(text)
 
 
-@pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        ({"inlet": 10.0}, "that of the inlet alone"),
-        ({"wedge": 10.0}, "that of the wedge alone"),
-        ({"inlet": 9.0, "wedge": 10.0}, "contradict each other"),
-        ({"inlet": float("nan"), "wedge": 10.0}, "inlet pressure"),
-        ({"peak": 30.0}, "peak flow"),
-        ({"split_right": 1.0}, "below 1"),
-        ({"split_right": 80.0}, "split to the right"),
-    ],
-)
-def test_values_that_contradict_each_other_are_refused(more, words):
-    with pytest.raises(InputError, match=words):
-        known_flow(40.0, **more)
-
-
 def test_pressures_that_cannot_drive_the_flow_are_refused(a_fork):
     with pytest.raises(InputError, match="expected more than the vessel itself costs"):
         answer_of(a_fork, 200.0, inlet=10.2, wedge=10.0)

@@ -15,7 +15,6 @@ from SDFStentLib.geometry import (
     tightest_bend,
 )
 from SDFStentLib.geometry.line import PAIRS_PER_BLOCK
-from SDFStentLib.validation import InputError
 
 CORNER = np.array([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])
 # Coordinates up to 100 mm carry about 1e-14 relative rounding; sums of twenty stay far below.
@@ -69,28 +68,6 @@ def test_the_bend_radius_of_lines_corners_and_hairpins():
     # The corner is met to a sixteenth of the window, which is second order in the radius.
     assert corner == pytest.approx(2 / (2 * np.sin(np.pi / 4)), rel=1 / 16**2 * 2)
     assert tightest_bend(Line(an_arc()), window=1e-9).radius > 0
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: Line(CORNER).resampled(0), "spacing: expected a number greater than 0"),
-        (lambda: Line(CORNER).resampled(np.nan), "spacing: expected a number"),
-        (lambda: Line(CORNER[:1]).resampled(1), "expected two different points, got 1"),
-        (lambda: Line(np.zeros((4, 3))).resampled(1), "expected two different points, got 4"),
-        (lambda: Line(CORNER).resampled_to(1), "count: expected at least 2 points, got 1"),
-        (lambda: Line(np.ones((2, 3))).directions, "expected two different points"),
-        (lambda: Line(CORNER).cut(5, 5), "expected a start before the end"),
-        (lambda: Line(CORNER).cut(8, 9), "on a polyline of 7 mm, got 8 to 9 mm"),
-        (lambda: Line(CORNER).cut(np.nan, 2), "expected a start before the end"),
-        (lambda: tightest_bend(Line(CORNER), 0).radius, "window: expected a number greater"),
-        (lambda: Line(CORNER * np.nan), "got NaN or infinity"),
-        (lambda: Line(np.zeros((0, 3))), "expected at least 1 points, got 0"),
-    ],
-)
-def test_unusable_input_gives_one_sentence(call, message):
-    with pytest.raises(InputError, match=message):
-        call()
 
 
 def test_a_line_and_what_follows_from_it_cannot_be_changed():

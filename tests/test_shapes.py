@@ -226,27 +226,6 @@ def test_the_contact_with_the_wall_is_that_of_the_profile():
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: Waist(0), "waist: expected a number greater than 0"),
-        (lambda: Waist(6, position=1.2), "waist position: expected a number at least 0 and at mo"),
-        (lambda: Waist(6, length=-2), "waist length: expected a number greater than 0"),
-        (lambda: StentEnd(9, 0), "length of the end: expected a number greater than 0"),
-        (lambda: Shape(cap_height=0), "cap height: expected a number at least 0.1 and at most 1"),
-        (lambda: Shape(table=((0, 8.0),)), "expected fractions that rise from 0 to 1, each once"),
-        (lambda: Shape(table=((0, 8.0), (0.6, 7.0), (0.4, 7.0), (1, 8.0))), "got 0, 0.6, 0.4, 1"),
-        (lambda: Shape(table=((0.1, 8.0), (1, 7.0))), "expected fractions that rise from 0 to 1"),
-        (lambda: Shape(table=((0, 8.0, 1.0), (1, 7.0))), "expected rows of a fraction and a diam"),
-        (lambda: Shape(Waist(6), table=((0, 8.0), (1, 7.0))), "expected a table alone, got one w"),
-        (lambda: Shape(table=((0, -8.0), (1, 7.0))), "profile diameter: expected a number greater"),
-    ],
-)
-def test_a_shape_that_cannot_be_is_refused(make, words):
-    with pytest.raises(InputError, match=words):
-        make()
-
-
-@pytest.mark.parametrize(
     ("text", "words"),
     [
         ("", "expected rows of fraction,diameter, got an empty file"),

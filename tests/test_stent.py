@@ -193,46 +193,6 @@ def test_a_piece_that_points_back_turns_round_and_a_closed_line_is_refused():
 
 # ---- degenerate and wrong input
 
-CENTER = AtCenter([0, 0, -50])
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: Stent(0, placement=CENTER, length=9), "stent diameter: .* greater than 0"),
-        (lambda: Stent(np.nan, placement=CENTER, length=9), "stent diameter: expected"),
-        (lambda: Stent(600, placement=CENTER, length=9), r"at most 100 \(mm\), got 600"),
-        (lambda: Stent("x", placement=CENTER, length=9), "stent diameter: .* got 'x'"),
-        (lambda: Stent(6, placement=CENTER, length=-1), "stent length: .* greater than 0"),
-        (lambda: Stent(6, placement=CENTER, length=np.inf), "stent length: expected a number"),
-        (lambda: Stent(6, placement=CENTER, length=5000), r"at most 500 \(mm\), got 5000"),
-        (
-            lambda: Stent(6, placement=CENTER, length=9, foreshortening_fraction=10),
-            "foreshortening: expected a number at least -0.2 and at most 0.5, got 10",
-        ),
-        (lambda: Stent(6, placement=CENTER), "expected a length in mm for a placement by one"),
-        (
-            lambda: Stent(6, placement=BetweenPoints([0, 0, 0], [1, 0, 0]), length=9),
-            "expected none between two points",
-        ),
-        (lambda: Stent(6, placement=[0, 0, 0]), "expected one of AtCenter, .* got list"),
-        (lambda: AtCenter([0, 0]), "center: expected shape"),
-        (lambda: AtDistalEnd([0, 0, np.nan]), "distal end: expected finite"),
-        (lambda: BetweenPoints([0, 0, 0], ["a", 0, 0]), "stent end: expected numbers"),
-        (lambda: AlongAxis([[1, 2, 3]]), r"got 1 point\(s\) at one place"),
-        (lambda: AlongAxis(np.ones((4, 3))), r"got 4 point\(s\) at one place"),
-        (lambda: AlongAxis([]), "stent axis: expected at least 1 points, got 0"),
-        (lambda: stent_axis(Stent(6, placement=CENTER, length=9)), "expected a centerline"),
-        (
-            lambda: straight_way(Line(np.ones((3, 3)))),
-            "stent axis: expected two different points",
-        ),
-    ],
-)
-def test_unusable_input_gives_one_sentence(call, message):
-    with pytest.raises(InputError, match=message):
-        call()
-
 
 @pytest.mark.parametrize(("radius", "limit"), [(3.0, 6.0), (np.nan, 20.0)])
 def test_a_placement_far_from_the_vessel_is_refused_with_its_distance(radius, limit):

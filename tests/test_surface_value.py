@@ -9,7 +9,6 @@ import pytest
 from mesh_files import octahedron
 
 from SDFStentLib.geometry import (
-    Precision,
     Surface,
     as_surface,
     state_of,
@@ -27,21 +26,6 @@ def test_nothing_of_a_surface_can_be_changed():
             array[0] = 0
     with pytest.raises(dataclasses.FrozenInstanceError):
         made.points = made.points
-
-
-@pytest.mark.parametrize(
-    ("points", "triangles", "message"),
-    [
-        (np.zeros((2, 3)), [[0, 1, 1]], "surface points: expected at least 3 points, got 2"),
-        (np.zeros((3, 2)), [[0, 1, 2]], r"surface points: expected shape \(n, 3\)"),
-        (np.full((3, 3), np.nan), [[0, 1, 2]], "surface points: expected finite coordinates"),
-        (np.eye(3), [[0, 1, 3]], "surface triangles: expected point indices from 0 to 2"),
-        (np.eye(3), np.empty((0, 3), int), "surface triangles: expected at least one triangle"),
-    ],
-)
-def test_what_is_no_surface_is_refused(points, triangles, message):
-    with pytest.raises(InputError, match=message):
-        Surface(points, triangles)
 
 
 def test_another_state_is_given_as_points_or_as_a_surface():
@@ -64,20 +48,6 @@ def test_another_state_is_given_as_points_or_as_a_surface():
     turned = Surface(made.points, made.triangles[:, ::-1])
     with pytest.raises(InputError, match="after: expected the triangles of the surface before"):
         state_of(made, turned)
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"dtype": np.int32}, "dtype: expected a floating type such as float32, got int32"),
-        ({"dtype": "nonsense"}, "dtype: expected a floating type"),
-        ({"scale": 0.0}, "scale: expected a number greater than 0"),
-        ({"dtype": np.float32, "scale": 1e39}, "expected coordinates that fit into float32"),
-    ],
-)
-def test_what_is_no_precision_is_refused(values, message):
-    with pytest.raises(InputError, match=message):
-        Precision(**values).stored(np.eye(3))
 
 
 # Fans of faces round the vertices: the walk that is fast against the graph that is plain.

@@ -11,7 +11,6 @@ from SDFStentLib.certificate import check_surface
 from SDFStentLib.geometry import signed_volume
 from SDFStentLib.phantoms import vascular_tree
 from SDFStentLib.phantoms.tree import NARROWER, ROOT_RADIUS
-from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import find_lesions
 
 LESIONS = {0: 0.5, 1: 0.3, 4: 0.6, 8: 0.4, 14: 0.5}
@@ -62,17 +61,3 @@ def test_all_lesions_of_a_tree_are_found_and_none_is_invented():
         assert min(away) < 0.5
         # Facets of 0.8 mm cut into a throat of 2.5 mm.
         assert lesion.percent_diameter == pytest.approx(100 * depth, abs=3)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((0,), "outlets: expected"),
-        ((8, 3.0), "edge_length: expected"),
-        ((8, 0.8, {15: 0.5}), "number of the branch: expected"),
-        ((8, 0.8, {1: 1.5}), "share of the diameter: expected"),
-    ],
-)
-def test_a_tree_that_cannot_be_is_refused_in_one_sentence(arguments, message):
-    with pytest.raises(InputError, match=message):
-        vascular_tree(*arguments)

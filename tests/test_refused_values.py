@@ -1,0 +1,235 @@
+"""What cannot be a value of the library: a sentence where it is made, whoever makes it.
+
+Sizes that the shell or a plan refuses are in test_refusals.py and test_plan.py.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from deployment_cases import arc, hairpin, phantom_case
+from test_devices import a_device
+
+from SDFStentLib import phantoms
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.flow import known_flow
+from SDFStentLib.geometry import Line, Precision, Surface, carried, tightest_bend
+from SDFStentLib.phantoms.axis import planar_axis
+from SDFStentLib.stent import (
+    AlongAxis,
+    AtCenter,
+    Balloon,
+    BetweenPoints,
+    LatticeDesign,
+    Shape,
+    Stent,
+    StentEnd,
+    Waist,
+    stent_axis,
+    stent_lattice,
+    straight_way,
+)
+from SDFStentLib.stent.lattice import straight_lattice
+from SDFStentLib.validation import InputError
+
+PLACE, ENDS = AtCenter([0.0, 0, 50]), BetweenPoints([0, 0, 0], [0, 0, 9])
+CORNER = Line([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])
+THREE, ONE_LINE, ONES = np.eye(3), [[0, 1]], [1, 1, 1]
+FORK = Centerline([[0.0, 0, 0], [0, 0, 9], [4, 0, 15], [-4, 0, 15]], [5.0] * 4, [-1, 0, 1, 1])
+
+
+def a_stent(diameter=6, length=9, placement=PLACE, **more):
+    return Stent(diameter, placement=placement, length=length, **more)
+
+
+def a_deployment(**changes):
+    case, settings = phantom_case("straight_tube"), DeploymentSettings()
+    usual = {"surface": case.surface, "chain": settings.chain(case.axis), "radius": case.radius}
+    return Deployment(**{**usual, **changes})
+
+
+def lines(points, cells=ONE_LINE, radius=None, **more):
+    return Centerline.from_lines(points, cells, radius, **more)
+
+
+def a_bent_lattice(expansion):
+    stent = Stent(6.0, placement=AlongAxis(arc(count=50)))
+    return stent_lattice(stent, stent_axis(stent), expansion=expansion)
+
+
+def settled(**changes):
+    return DeploymentSettings().with_changes(**changes)
+
+
+def stored(points=THREE, **values):
+    return Precision(**values).stored(points)
+
+
+GROUPS = {
+    "stents": {
+        "stent length: .* greater than 0": lambda: a_stent(length=-1),
+        r"at most 500 \(mm\), got 5000": lambda: a_stent(length=5000),
+        "expected none between two points": lambda: a_stent(placement=ENDS),
+        "expected one of AtCenter, .* got list": lambda: a_stent(placement=[0, 0, 0]),
+        "center: expected shape": lambda: AtCenter([0, 0]),
+        r"got 4 point\(s\) at one place": lambda: AlongAxis(np.ones((4, 3))),
+        "stent axis: expected at least 1 points, got 0": lambda: AlongAxis([]),
+        "expected a centerline": lambda: stent_axis(a_stent()),
+        "axis: expected two different points": lambda: straight_way(Line(np.ones((3, 3)))),
+    },
+    "shapes": {
+        "waist position: expected a number at least 0 and at mo": lambda: Waist(6, position=1.2),
+        "waist length: expected a number greater than 0": lambda: Waist(6, length=-2),
+        "length of the end: expected a number greater than 0": lambda: StentEnd(9, 0),
+        "expected fractions that rise from 0 to 1, each once": lambda: Shape(table=((0, 8.0),)),
+        "fractions that rise": lambda: Shape(table=((0.1, 8.0), (1, 7.0))),
+        "expected a table alone, got one w": lambda: Shape(Waist(6), table=((0, 8.0), (1, 7.0))),
+        "profile diameter: expected": lambda: Shape(table=((0, -8.0), (1, 7.0))),
+    },
+    "balloons and devices": {
+        "diameter: expected a number greater than 0 and at most 100": lambda: Balloon(101, 0.1),
+        # The balloon, though the lumen that it leaves is not.
+        "balloon diameter: expected at most 22 mm, the largest": lambda: a_stent(
+            19.8, None, device=a_device(), balloon=Balloon(24.75, 0.2)
+        ),
+        "expected one point for bench-34, which is 34 mm long, got two": lambda: a_stent(
+            15.0, None, ENDS, device=a_device()
+        ),
+        "expected none with bench-34, whose lengths are known, got 0.1": lambda: a_stent(
+            15.0, None, device=a_device(), foreshortening_fraction=0.1
+        ),
+        "known from 12 to 20 mm of diameter, not at 21": lambda: a_stent(
+            21, None, device=a_device()
+        ),
+        "device: expected a Device, got 'bench-34'": lambda: a_stent(device="bench-34"),
+    },
+    "struts": {
+        "cells: expected one of closed, open, got 'woven'": lambda: LatticeDesign(cells="woven"),
+        "crowns: expected a number at least 3": lambda: LatticeDesign(crowns=2),
+        "rings: expected a whole number, got 2.5": lambda: LatticeDesign(rings=2.5),
+        "expected a divisor of the 8 crowns, got 3": lambda: LatticeDesign(link_every=3),
+        "crimped diameter": lambda: LatticeDesign(crimped_diameter=0),
+        "expansion": lambda: a_bent_lattice(1.1),
+        "length: expected": lambda: straight_lattice(0, 3, LatticeDesign()),
+        "radius: expected": lambda: straight_lattice(10, -1, LatticeDesign()),
+        "expected two": lambda: carried([[0, 0, 0]], Line([[0, 0, 0], [0, 0, 0]])),
+    },
+    "lines": {
+        "spacing: expected a number greater than 0": lambda: CORNER.resampled(0),
+        "spacing: expected a number": lambda: CORNER.resampled(np.nan),
+        "expected two different points, got 1": lambda: Line([[0, 0, 0]]).resampled(1),
+        "expected two different points, got 4": lambda: Line(np.zeros((4, 3))).resampled(1),
+        "count: expected at least 2 points, got 1": lambda: CORNER.resampled_to(1),
+        "expected two different points": lambda: Line(np.ones((2, 3))).directions,
+        "expected a start before the end": lambda: CORNER.cut(5, 5),
+        "on a polyline of 7 mm, got 8 to 9 mm": lambda: CORNER.cut(8, 9),
+        "a start before the end": lambda: CORNER.cut(np.nan, 2),
+        "window: expected a number greater": lambda: tightest_bend(CORNER, 0).radius,
+        "got NaN or infinity": lambda: Line(THREE * np.nan),
+        "expected at least 1 points, got 0": lambda: Line(np.zeros((0, 3))),
+    },
+    "centerlines": {
+        r"got 1 point\(s\) at one place": lambda: lines([[0, 0, 0]], [[0]]),
+        "two different points": lambda: lines(np.ones((4, 3)), [[0, 1, 2, 3]]),
+        "got 3 points and no line": lambda: lines(THREE, []),
+        "3 points and no line": lambda: lines(THREE, [[]]),
+        "got 0 points and no line": lambda: lines([], []),
+        "indices from 0 to 2, got 0 to 3": lambda: lines(THREE, [[0, 3]]),
+        "got -1 to 0": lambda: lines(THREE, [[0, -1]]),
+        "line 0: expected a list of point": lambda: lines(THREE, [[0.5, 1]]),
+        "NaN or infinity at 3": lambda: lines(THREE * np.nan),
+        r"3 centerline points.*\(2,\)": lambda: lines(THREE, radius=[1, 2]),
+        "radius: expected numbers": lambda: lines(THREE, radius=list("abc")),
+        "inlet: expected shape": lambda: lines(THREE, inlet=[1, 2]),
+        "at least 2 points, got 1": lambda: Centerline([[1, 2, 3]], [1], [-1]),
+        "circle that holds point 2": lambda: Centerline(THREE, ONES, [1, 2, 0]),
+        "expected -1 to 2, got -1 to 3": lambda: Centerline(THREE, ONES, [-1, 0, 3]),
+        "expected 3 integers": lambda: Centerline(THREE, ONES, [-1, 0]),
+        "got roots only": lambda: Centerline(THREE, ONES, [-1, -1, -1]),
+        "point: expected finite coordinates": lambda: FORK.project([1, 2, np.nan]),
+        "length: expected a number greater than 0": lambda: FORK.path_around([0, 0, 9], 0),
+        "length: expected a number": lambda: FORK.path_from_distal([0, 0, 9], np.nan),
+        "spacing: expected a number greater than 0": lambda: FORK.resampled(-1),
+        "expected 3 integers, got int64": lambda: FORK.with_points(THREE),
+    },
+    "surfaces": {
+        "surface points: expected at least 3 points, got 2": lambda: Surface(
+            np.zeros((2, 3)), [[0, 1, 1]]
+        ),
+        r"surface points: expected shape \(n, 3\)": lambda: Surface(np.zeros((3, 2)), [[0, 1, 2]]),
+        "surface points: expected finite": lambda: Surface(np.full((3, 3), np.nan), [[0, 1, 2]]),
+        "triangles: expected point indices from 0 to 2": lambda: Surface(THREE, [[0, 1, 3]]),
+        "expected at least one triangle": lambda: Surface(THREE, np.empty((0, 3), int)),
+        "dtype: expected a floating type such as float32, got int32": lambda: stored(
+            dtype=np.int32
+        ),
+        "dtype: expected a floating type": lambda: stored(dtype="nonsense"),
+        "scale: expected a number greater than 0": lambda: stored(scale=0.0),
+        "coordinates that fit into float32": lambda: stored(dtype=np.float32, scale=1e39),
+    },
+    "deployments": {
+        "stent radius: expected a number greater than 0 .mm., got 0": lambda: a_deployment(
+            radius=0
+        ),
+        "stent radius: expected a number": lambda: a_deployment(radius=float("nan")),
+        "a CapsuleChain, got .ndarray.; .* CapsuleChain.along": lambda: a_deployment(
+            chain=hairpin()
+        ),
+        "expected a Surface, got .ndarray.; .* by Surface.points": lambda: a_deployment(
+            surface=THREE
+        ),
+        "rule: expected one of events, published, got 'fast'": lambda: settled(rule="fast"),
+        "expected one of axis, paper, none, got 'k/4'": lambda: settled(calibration="k/4"),
+        "falloff: expected one of compact, wendland, cosine": lambda: settled(falloff="gauss"),
+        "blend: expected a function of an array that falls from 1": lambda: settled(
+            blend=lambda x: x
+        ),
+        "settings: expected one of .*, got 'radius_step'": lambda: settled(radius_step=0.1),
+        "width: expected 0 or at least 0.001 .* 1e-300": lambda: settled(smoothing_width=1e-300),
+        "capsule_length: expected a number at least 0.05": lambda: settled(capsule_length=10**400),
+    },
+    "flows": {
+        "that of the inlet alone": lambda: known_flow(40.0, inlet=10.0),
+        "that of the wedge alone": lambda: known_flow(40.0, wedge=10.0),
+        "contradict each other": lambda: known_flow(40.0, inlet=9.0, wedge=10.0),
+        "inlet pressure": lambda: known_flow(40.0, inlet=float("nan"), wedge=10.0),
+        "peak flow": lambda: known_flow(40.0, peak=30.0),
+        "below 1": lambda: known_flow(40.0, split_right=1.0),
+        "split to the right": lambda: known_flow(40.0, split_right=80.0),
+    },
+    "phantoms": {
+        "radius: expected a number greater than 0": lambda: phantoms.straight_tube(radius=0),
+        "length: expected a number greater than 0": lambda: phantoms.straight_tube(length=-1),
+        "edge_length: expected .* at most 3": lambda: phantoms.straight_tube(edge_length=4),
+        "edge_length: .* got nan": lambda: phantoms.straight_tube(edge_length=np.nan),
+        "throat_radius: .* at most 3": lambda: phantoms.stenosed_tube(throat_radius=4),
+        "length: expected a number at least 16": lambda: phantoms.stenosed_tube(length=10),
+        "bend_radius: .* greater than 3.6": lambda: phantoms.bent_tube(bend_radius=3),
+        "angle_deg: .* at most 180": lambda: phantoms.bent_tube(angle_deg=200),
+        "pitch: turns 5 mm apart touch .* more than 5.3": lambda: phantoms.helix_tube(pitch=5),
+        "turns: expected a number greater than 0": lambda: phantoms.helix_tube(turns=0),
+        "coil_radius: .* greater than 3": lambda: phantoms.helix_tube(coil_radius=2),
+        "gap: expected a number greater than 0": lambda: phantoms.hairpin_tube(gap=0),
+        "bend_radius: .* at least 4": lambda: phantoms.hairpin_tube(bend_radius=1),
+        "arch_radius: .* than 8.4": lambda: phantoms.arch_with_coarctation(arch_radius=5),
+        "descending_length: ": lambda: phantoms.arch_with_coarctation(descending_length=5),
+        "edge_length: .* at most 1.2": lambda: phantoms.branching_pulmonary_artery(1.5),
+        "toward: expected a direction that d": lambda: planar_axis([(9, 0)], toward=(0, 0, 2)),
+        "length: .* at least 16": lambda: phantoms.tube_with_neighbor(length=5),
+        "edge_length: .* at most 1.8": lambda: phantoms.tube_with_neighbor(edge_length=2),
+        "outlets: expected": lambda: phantoms.vascular_tree(0),
+        "edge_length: expected": lambda: phantoms.vascular_tree(8, 3.0),
+        "number of the branch: expected": lambda: phantoms.vascular_tree(8, 0.8, {15: 0.5}),
+        "share of the diameter: expected": lambda: phantoms.vascular_tree(8, 0.8, {1: 1.5}),
+    },
+}
+"""Words of the sentence, and what it is said of."""
+
+REFUSED = [(words, make) for group in GROUPS.values() for words, make in group.items()]
+
+
+@pytest.mark.parametrize(("words", "make"), REFUSED, ids=[words for words, _ in REFUSED])
+def test_what_cannot_be_is_a_sentence(words, make):
+    with pytest.raises(InputError, match=words):
+        make()
