@@ -29,7 +29,7 @@ NOT_IN_THE_PAGE = {
     "outputSelectorLabel": "results are saved from the page",
     "outputSelector": "results are saved from the page",
     "handleSelector": "every stent has a handle of its own",
-    "roomyViewsCheckBox": "the page has one view, and the plot beneath",
+    "roomyViewsButton": "the page has one view, and the plot beneath",
     "tilesLabel": "the tiles are shown below the view",
     "showPlotButton": "the plot is shown below the view",
     "showTableButton": "the table is shown below the view",

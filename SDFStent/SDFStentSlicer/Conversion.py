@@ -98,6 +98,14 @@ def centerlineLines(node):
     return np.concatenate(pieces), lines, None
 
 
+def hasLines(node):
+    """Whether a centerline can be made of a node: of any curve, and of a model of lines."""
+    if node is None or not node.IsA("vtkMRMLModelNode"):
+        return node is not None
+    surface = node.GetPolyData()
+    return surface is not None and surface.GetNumberOfLines() > 0
+
+
 def curvePoints(node):
     """The points of a markups curve (n, 3), at least two."""
     count = len(placedIndices(node))
@@ -254,12 +262,11 @@ def _segmentSurface(node, segmentID):
 
 
 def _linesOfModel(node):
-    surface = node.GetPolyData()
-    if surface is None or surface.GetNumberOfLines() == 0:
+    if not hasLines(node):
         raise InputError(
             f"Centerline {node.GetName()}: expected a model of lines, got none; select a centerline model."
         )
-    surface, scale = toWorld(node, surface), scaleToWorld(node)
+    surface, scale = toWorld(node, node.GetPolyData()), scaleToWorld(node)
     points, lines = lines_from_polydata(surface, f"Centerline {node.GetName()}")
     radius = None if scale is None else inscribed_radius_from_polydata(surface)
     return points, lines, None if radius is None else scale * radius

@@ -36,10 +36,14 @@ class LesionMarks:
             self._numbers = _locked(createMark(POINTS, _("Lesions"), points, texts))
         self.select(None)
 
-    def select(self, index):
-        """Mark one of them strongly, or None."""
+    def hideLine(self):
+        """Take away the line along the one that is marked strongly."""
         removeMark(self._extent)
         self._extent = None
+
+    def select(self, index):
+        """Mark one of them strongly, or None."""
+        self.hideLine()
         for number in range(len(self._lesions)):
             self._numbers.SetNthControlPointSelected(number, number == index)
         if index is not None:
@@ -103,9 +107,15 @@ class LesionTable:
         inputs = parameterNode and (parameterNode.vessel, parameterNode.centerline)
         if parameterNode is not self._parameterNode or inputs != self._inputs:
             self._leave()
+            if inputs and None not in inputs:
+                self._show("", state=_("Looking for lesions..."))
         self._parameterNode, self._inputs = parameterNode, inputs
         if parameterNode is not None:
             self._timer.start()
+
+    def hideLine(self):
+        """Mark the selected lesion by its number only, so that the stent in it is seen; a click on it shows the line again."""
+        self._marks.hideLine()
 
     def clearSelection(self):
         """Select no lesion."""
@@ -129,7 +139,7 @@ class LesionTable:
         self._leave()
         self._search = search
         if search is not None:
-            self._show(_("Looking for lesions..."))
+            self._show("", state=_("Looking for lesions..."))
             self._run.start(0.0 for _part in search.portions())
 
     def _done(self, error):
@@ -138,28 +148,31 @@ class LesionTable:
             self._show(str(error))
         else:
             none = _("No lesion of {percent} % or more was found.")
-            none = search.sentence or none.format(percent=round(100 * SMALLEST_DEGREE))
-            said = (search.remark, "" if search.found else none)
-            self._show("\n".join(filter(None, said)), search.found)
+            none = none.format(percent=round(100 * SMALLEST_DEGREE))
+            said = "\n".join(filter(None, (search.remark, search.sentence)))
+            self._show(said, search.found, "" if search.found or search.sentence else none)
             if not search.sentence:
                 self._onFound()
 
-    def _show(self, sentence, lesions=()):
-        """A sentence, or the lesions with a row each."""
+    def _show(self, sentence, lesions=(), state=""):
+        """A sentence, and the lesions with a row each, or a `state` in their place, which is as high: what lies below stays."""
         table = self.ui.lesionTable
+        rows = [([state], state)] if state else []
+        for number, lesion in enumerate(lesions, 1):
+            rows.append((_texts(number, lesion), " ".join(lesion_sentences(number, lesion))))
         self._updating = True
         try:
             table.clearSelection()
-            table.setRowCount(len(lesions))
-            for row, lesion in enumerate(lesions):
-                for column, text in enumerate(_texts(row + 1, lesion)):
+            table.setRowCount(len(rows))
+            for row, (texts, tip) in enumerate(rows):
+                for column, text in enumerate(texts):
                     item = qt.QTableWidgetItem(text)
-                    item.setToolTip(" ".join(lesion_sentences(row + 1, lesion)))
+                    item.setToolTip(tip)
                     table.setItem(row, column, item)
         finally:
             self._updating = False
         self._marks.show(lesions)
-        table.visible = len(lesions) > 0
+        table.visible = len(rows) > 0
         self._offer()
         self.ui.lesionLabel.text = sentence
         self.ui.lesionLabel.visible = bool(sentence)

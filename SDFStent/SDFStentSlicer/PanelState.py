@@ -10,7 +10,7 @@ from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
 from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
 from SDFStentLib.validation import one_line, printable
 
-from . import Display, Flow, Outputs, Sizes, Tiles
+from . import Conversion, Display, Flow, Outputs, Sizes, Tiles
 from .ParameterNode import (
     METHOD_PARAMETERS,
     MethodParameters,
@@ -25,21 +25,20 @@ LONGEST = 44
 
 
 class Steps:
-    """Writes the headings, and closes the first step once it is known that vessel and centerline can be used."""
+    """Writes the headings, and closes the first step at the choice that ends it.
+
+    Not later: by then the mouse may be on its way to what lies below.
+    """
 
     def __init__(self, ui):
         self._ui, self._isDone = ui, False
 
-    def closeFirst(self):
-        """Vessel and centerline can be used: their step is done, until one of them is taken away."""
-        if not self._isDone:
-            self._isDone = self._ui.inputsCollapsibleButton.collapsed = True
-
     def show(self, parameterNode):
         """After parameters have changed."""
         vessel, centerline = parameterNode.vessel, parameterNode.centerline
-        if self._isDone and (vessel is None or centerline is None):
-            self._isDone = self._ui.inputsCollapsibleButton.collapsed = False
+        isDone = vessel is not None and Conversion.hasLines(centerline)
+        if isDone != self._isDone:
+            self._isDone = self._ui.inputsCollapsibleButton.collapsed = isDone
         names = [node.GetName() for node in (vessel, centerline) if node is not None]
         hasStents = len(stentsOf(parameterNode)) > 0
         stent = stentOf(parameterNode)
@@ -80,7 +79,8 @@ def _cut(text):
 PENDING, GOOD, BAD = "pending", "good", "bad"
 COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72, 0.45)}
 """On `BACKGROUND`, which lets them be read on any view. What a color says stands in the last line, too."""
-BACKGROUND, OPACITY = (0.08, 0.10, 0.13), 0.65
+BACKGROUND = (0.08, 0.10, 0.13)
+"""Nothing is seen through it: letters of the view's axes would be read as some of the lines."""
 LARGEST_FONT = 18
 
 
@@ -113,7 +113,7 @@ class AtHand:
             font.BoldOn()  # thin letters are hard to read from where an operator stands
             font.ShadowOff()
             font.SetBackgroundColor(*BACKGROUND)
-            font.SetBackgroundOpacity(OPACITY if self.text else 0.0)
+            font.SetBackgroundOpacity(1.0 if self.text else 0.0)
             view.scheduleRender()
 
 

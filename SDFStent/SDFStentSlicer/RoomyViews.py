@@ -24,12 +24,12 @@ DESCRIPTION = """
 
 
 class RoomyViews:
-    """Follows the check box of that name: takes these views, and gives back those of before."""
+    """Follows the button of that name: takes these views, and gives back those of before."""
 
     def __init__(self, ui):
-        self._box = ui.roomyViewsCheckBox
+        self._button = ui.roomyViewsButton
         self._former = self._parameterNode = self._chart = None
-        self._box.connect("toggled(bool)", self._follow)
+        self._button.connect("toggled(bool)", self._follow)
 
     def show(self, parameterNode):
         """Of the parameter node that is shown now: a new plot appears where there is room for it."""
@@ -45,7 +45,7 @@ class RoomyViews:
         node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
         if node is None:  # without a window
             return
-        if self._parameterNode is None or not self._box.checked:
+        if self._parameterNode is None or not self._button.checked:
             if node.GetViewArrangement() == LAYOUT and self._former is not None:
                 node.SetViewArrangement(self._former)
             self._former = self._chart = None

@@ -151,7 +151,11 @@ class StentButtons:
     def onSuggest(self):
         lesion = self.lesions.selected
         if lesion is not None:
-            self._step(lambda: self.logic.suggestStent(self._parameterNode, lesion))
+            self._step(lambda: self._suggest(lesion))
+
+    def _suggest(self, lesion):
+        self.logic.suggestStent(self._parameterNode, lesion)
+        self.lesions.hideLine()
 
     def onCopyStent(self):
         self._step(lambda: self.logic.copyStent(self._parameterNode))

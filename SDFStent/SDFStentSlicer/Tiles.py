@@ -19,9 +19,7 @@ def html(tiles):
     """Rows of tiles for a label: name small, value large, before and reference small beneath."""
     rows = [tiles[first : first + IN_A_ROW] for first in range(0, len(tiles), IN_A_ROW)]
     cells = ("".join(map(_cell, row)) for row in rows)
-    return (
-        f'<table width="100%" cellpadding="4">{"".join(f"<tr>{row}</tr>" for row in cells)}</table>'
-    )
+    return f'<table width="100%" cellpadding="2" cellspacing="0">{"".join(f"<tr>{row}</tr>" for row in cells)}</table>'
 
 
 def _cell(tile):

@@ -273,7 +273,6 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         """Let the first preview wait for nothing that can be made now; the vessel is known by now."""
         self.preparation.cancel()
         if self._parameterNode is not None:
-            self._state.steps.closeFirst()
             self._state.show(self._parameterNode)
             self._showSections()
             self.preparation.start(self.logic.prepared(self._parameterNode))

@@ -47,6 +47,7 @@ def test_the_view_tells_of_the_stent_while_it_is_dragged_and_when_it_is_measured
     assert lines[2].startswith(f"stenosis {lesion.before.percent_diameter:.0f} % -> ")
     assert lines[-1] == "certified for meshing"
     assert len(lines) <= 6
+    assert annotation.GetTextProperty().GetBackgroundOpacity() == 1.0  # no letters of axes within
     good = annotation.GetTextProperty().GetColor()
     host.application.render(thePictures / "at_hand.png")
 

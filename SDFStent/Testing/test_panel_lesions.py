@@ -18,7 +18,7 @@ def found(host, panel):
 def clickRow(host, table, row):
     from PySide6 import QtCore, QtTest
 
-    place = table.visualItemRect(table.item(row, 1)).center()
+    place = table.visualItemRect(table.item(row, 0)).center()
     QtTest.QTest.mouseClick(table.viewport(), QtCore.Qt.LeftButton, QtCore.Qt.NoModifier, place)
     host.process()
 
@@ -139,6 +139,18 @@ def test_add_with_a_lesion_selected_places_a_stent_there_that_opens_it(host, the
     assert parameters.stent.length == 20.0
 
 
+def test_the_line_of_a_lesion_makes_way_for_its_stent(host, theInputs, aScene):
+    found(host, theInputs)
+    clickRow(host, theInputs.ui.lesionTable, 0)
+    assert marks(aScene)[1] is not None
+    host.click(theInputs.ui.suggestButton)
+    numbers, line = marks(aScene)
+    assert line is None
+    assert numbers.GetNthControlPointSelected(0)
+    clickRow(host, theInputs.ui.lesionTable, 0)  # as it is asked for
+    assert marks(aScene)[1] is not None
+
+
 def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, knownLesions):
     from SDFStentSlicer import Clock, Portions
 
@@ -156,15 +168,17 @@ def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, 
     vessel, centerline = aVessel
     aPanel.ui.vesselSelector.setCurrentNode(vessel)
     aPanel.ui.centerlineSelector.setCurrentNode(centerline)
-    assert "Looking for lesions" in waitForLabel(host, aPanel)
+    host.processUntil(lambda: aPanel.ui.lesionTable.visible)
+    assert told(aPanel) == "Looking for lesions..."
     found(host, aPanel)
     assert ticks  # of a small vessel the search may be done in one turn
     assert np.median(ticks) < 0.05
 
 
-def waitForLabel(host, panel):
-    host.processUntil(lambda: panel.ui.lesionLabel.visible)
-    return panel.ui.lesionLabel.text
+def told(panel):
+    """What stands in place of lesions."""
+    (row,) = range(panel.ui.lesionTable.rowCount)
+    return panel.ui.lesionTable.item(row, 0).text()
 
 
 def test_a_vessel_without_lesions_says_so(host, aPanel, aScene):
@@ -184,5 +198,7 @@ def test_a_vessel_without_lesions_says_so(host, aPanel, aScene):
         selector = "vesselSelector" if name == "Tube" else "centerlineSelector"
         getattr(aPanel.ui, selector).setCurrentNode(node)
     assert found(host, aPanel) == ()
-    assert aPanel.ui.lesionLabel.text == "No lesion of 15 % or more was found."
-    assert not aPanel.ui.lesionTable.visible
+    assert told(aPanel) == "No lesion of 15 % or more was found."
+    clickRow(host, aPanel.ui.lesionTable, 0)
+    assert aPanel.lesions.selected is None
+    assert not aPanel.ui.suggestButton.enabled

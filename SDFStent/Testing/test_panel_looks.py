@@ -20,9 +20,12 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(host, aStent, thePict
 
     ui = aStent.ui
     host.processUntil(lambda: not aStent.lesions.isBusy)
-    deploy(host, aStent)
-    host.click(ui.copyStentButton)
     QtWidgets.QWidget.resize(aStent.parent, 440, 900)
+    deploy(host, aStent)
+    host.process()
+    top = bottomOf(ui.tilesLabel, aStent) - ui.tilesLabel.height
+    assert 0 <= top - bottomOf(ui.deployButton, aStent) <= 20  # the answer is beside its button
+    host.click(ui.copyStentButton)
     host.process()
     needed = ("lesionTable", "stentTable", "addStentButton", "suggestButton", "diameterSlider")
     for name in (*needed, "lengthSlider", "deployButton", "statusLabel"):
@@ -32,6 +35,21 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(host, aStent, thePict
     second = ui.stentTable.visualItemRect(ui.stentTable.item(1, 0))
     assert second.bottom() <= ui.stentTable.viewport().height()  # two rows without scrolling
     host.grab(aStent.parent, thePictures / "loop.png")
+
+
+def test_nothing_moves_under_the_mouse_when_the_search_for_lesions_ends(host, aPanel, aVessel):
+    ui = aPanel.ui
+    ui.vesselSelector.setCurrentNode(aVessel[0])
+    assert not ui.inputsCollapsibleButton.collapsed
+    ui.centerlineSelector.setCurrentNode(aVessel[1])
+    assert ui.inputsCollapsibleButton.collapsed  # by the choice itself
+    host.processUntil(lambda: ui.lesionTable.visible)
+    host.process()
+    while_searching = [bottomOf(one, aPanel) for one in (ui.lesionTable, ui.addStentButton)]
+    assert aPanel.lesions.isBusy
+    host.processUntil(lambda: not aPanel.lesions.isBusy)
+    host.process()
+    assert while_searching == [bottomOf(one, aPanel) for one in (ui.lesionTable, ui.addStentButton)]
 
 
 def test_a_closed_part_tells_what_is_set_in_it(host, aStent):

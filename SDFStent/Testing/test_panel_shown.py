@@ -33,7 +33,7 @@ def test_the_roomy_views_are_there_while_the_module_is_and_show_the_plot(host, a
     layout = aScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
     layout.SetViewArrangement(layout.SlicerLayoutFourUpView)
     ui = aStent.ui
-    ui.roomyViewsCheckBox.checked = True
+    ui.roomyViewsButton.checked = True
     roomy = layout.GetViewArrangement()
     shown = layout.GetLayoutDescription(roomy)
     assert '"vtkMRMLViewNode"' in shown
@@ -52,7 +52,7 @@ def test_the_roomy_views_are_there_while_the_module_is_and_show_the_plot(host, a
     aStent.exit()
     assert layout.GetViewArrangement() == layout.SlicerLayoutOneUp3DView
     aStent.enter()
-    ui.roomyViewsCheckBox.checked = False
+    ui.roomyViewsButton.checked = False
     assert layout.GetViewArrangement() == layout.SlicerLayoutOneUp3DView
 
 
