@@ -36,6 +36,11 @@ class GuiBinding:
             self._parameterNode.RemoveObserver(tag)
 
 
+def cut(text, longest):
+    """A text, or the beginning of one with more characters than that."""
+    return text if len(text) <= longest else text[: longest - 1] + "\N{HORIZONTAL ELLIPSIS}"
+
+
 def fitColumns(table):
     """Let the first column, with the names, have the room that the others leave, which are as wide as what they hold."""
     header = table.horizontalHeader()

@@ -11,6 +11,7 @@ from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
 from SDFStentLib.validation import one_line, printable
 
 from . import Conversion, Display, Flow, Outputs, Sizes, Tiles
+from .PanelParts import cut
 from .ParameterNode import (
     METHOD_PARAMETERS,
     MethodParameters,
@@ -52,7 +53,7 @@ class Steps:
             ("flow", _("Flow"), _flowWords(parameterNode)),
         ):
             text = f"{title}: {one_line(words)}" if words else title
-            getattr(self._ui, f"{name}CollapsibleButton").text = _cut(text)
+            getattr(self._ui, f"{name}CollapsibleButton").text = cut(text, LONGEST)
 
 
 def _deviceWords(details):
@@ -70,10 +71,6 @@ def _isUsual(parameterNode):
 def _flowWords(parameterNode):
     mean = parameterNode.flowMean
     return _("{mean:g} L/min").format(mean=mean) if mean > 0 else ""
-
-
-def _cut(text):
-    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "\N{HORIZONTAL ELLIPSIS}"
 
 
 PENDING, GOOD, BAD = "pending", "good", "bad"

@@ -52,6 +52,26 @@ def test_nothing_moves_under_the_mouse_when_the_search_for_lesions_ends(host, aP
     assert while_searching == [bottomOf(one, aPanel) for one in (ui.lesionTable, ui.addStentButton)]
 
 
+def test_what_lies_below_the_tiles_stays_while_the_hand_moves(host, aStent):
+    ui, seen = aStent.ui, set()
+    aStent.parent.resize(520, 1300)
+    ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    show = aStent._state.atHand.show
+
+    def noted(text, instead=""):
+        show(text, instead)
+        host.process()
+        if ui.tilesLabel.visible:
+            seen.add((text.endswith("preview"), ui.tilesLabel.height))
+
+    aStent._state.atHand.show = noted
+    ui.diameterSlider.value = 8.0
+    settle(host, aStent)
+    assert {isPreview for isPreview, _height in seen} == {True, False}
+    assert len({height for _isPreview, height in seen}) == 1
+
+
 def test_a_closed_part_tells_what_is_set_in_it(host, aStent):
     ui = aStent.ui
     host.processUntil(lambda: not aStent.lesions.isBusy)
