@@ -89,6 +89,15 @@ def test_without_a_plan_and_pressures_only_drops_before_are_told(flow, capsys):
     assert "Without pressures the split is as given" in said
 
 
+@pytest.mark.parametrize("flow_text", ["-3L/min", "-3.L/min", "-.5mL/s"])
+def test_a_negative_flow_is_refused_as_a_flow(flow, capsys, flow_text):
+    assert flow("--mean-flow", flow_text, "--json", "f.json") == 2
+    said = capsys.readouterr().err
+    assert "--mean-flow" in said
+    assert "expected a number greater than 0" in said
+    assert not Path("f.json").exists()
+
+
 def test_a_solver_that_dies_leaves_nothing(flow, capsys, monkeypatch):
     monkeypatch.setattr("SDFStentLib.plan.run.has_svzerod", lambda: True)
     monkeypatch.setattr("SDFStentLib.flow.svzerod._RUN", "import os; os._exit(9)")

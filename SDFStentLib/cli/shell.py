@@ -28,7 +28,7 @@ _BESIDE = {
 }
 """Commands that are in the file of another one."""
 
-_NEGATIVE = re.compile(r"-\.?\d[^.]*(\.(\d[^.]*|[eE][-+]?\d+)?)?")
+_NEGATIVE = re.compile(r"-\.?\d[^.]*(\.(\d[^.]*|[eE][-+]?\d+|\w+/\w+)?)?")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
