@@ -171,3 +171,20 @@ def test_a_short_throat_near_an_ostium_is_no_plateau_of_itself():
     ends = np.linspace(5.36, 4.1, 12)
     every = np.interp(np.arange(0.0, 26.0, SPACING), np.arange(27.0), [*wide, *ends])
     assert reference_of(every, parent=0) == pytest.approx(5.8, abs=0.2)
+
+
+def test_a_throat_at_an_ostium_is_told_though_its_vessel_tapers_beyond():
+    """Half of the lumen was missing, and not told: nothing is as wide as the taper goes on to."""
+    tapering = through((0, 3), (4, 4.3), (8, 2.6), (14, 5.35), (16, 5.35), (24, 4.2), (60, 4.2))
+    (one,) = narrowings(vessel_along(tapering, parent=0)._replace(origin=6.1))
+    assert one.narrowest == 8.0
+    # It is narrower at the ostium itself, so it does not taper from there.
+    assert one.reference.at(np.array([8.0]))[0] == pytest.approx(5.35, abs=0.1)
+
+
+def test_a_vessel_that_a_branch_leaves_narrower_is_no_aneurysm_before():
+    """Healthy vessel of 3.7 mm between a throat and a branch was taken for one."""
+    run = vessel_along(through((0, 2.2), (4, 2.2), (7, 3.7), (12, 3.7), (14, 2.5), (40, 2)), 0)
+    assert narrowings(run) == []
+    (one,) = narrowings(run._replace(side_branches=(SideBranch(13.0, 3.0, 1),)))
+    assert one.reference.at(np.array([2.0]))[0] == pytest.approx(3.7, abs=0.1)

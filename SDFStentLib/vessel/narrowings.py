@@ -171,13 +171,9 @@ def narrowings(run: VesselRun, eased: float = 0.0) -> list[Narrowing]:
     # What lies in the narrowing round a deeper throat is measured against the reference of that.
     for at in sorted(throats, key=lambda throat: -float(degree[throat])):
         one = _extent(along, diameter, at, _reference(run, at, before, after))
-        if one is not None and not any(_overlap(one, other) for other in found):
+        if one and all(one.end <= other.start or other.end <= one.start for other in found):
             found.append(one)
     return sorted(found, key=lambda one: one.start)
-
-
-def _overlap(one: Narrowing, other: Narrowing) -> bool:
-    return one.start < other.end and other.start < one.end
 
 
 def _sides(
@@ -254,11 +250,12 @@ def _tapers(plateaus: Plateaus, way: int) -> Floats:
 def _widest_seen(diameter: Floats, distal: Floats) -> Floats:
     """How wide (n,) a vessel may be toward its ostium, against what is healthy distal of it, mm.
 
-    It tapers from there where it is seen to widen, and goes on into the lumen of its parent before
-    it is as wide.
+    It tapers from there where it is seen to widen up to it, and goes on into its parent's lumen
+    before it is as wide.
     """
     seen = np.maximum.accumulate(diameter)
     widens = (1 - SMALLEST_DEGREE) * seen >= diameter
+    widens &= diameter[0] >= (1 - EDGE_DEGREE) * seen
     return np.asarray(np.where(widens & (seen < (1 - EDGE_DEGREE) * distal), FLARE, 1.0) * distal)
 
 
@@ -290,15 +287,16 @@ def _degrees(
     line = before.diameter + share * (after.diameter - before.diameter)
     wider = _tapered(along, after.along, after.diameter, after.taper, before.diameter)
     line = np.where(np.isnan(before.along), wider, line)
-    line = np.where(np.isnan(after.along), np.fmin(before.diameter, after.diameter), line)
+    narrower = np.fmin(before.diameter, after.diameter)
+    line = np.where(np.isnan(after.along), narrower, line)
     line = np.where(np.isfinite(line), line, diameter)
-    degree = 1 - diameter / line
-    recovery = 1 - diameter / np.fmin(before.diameter, after.diameter)
+    degree, recovery = 1 - diameter / line, 1 - diameter / narrower
     # Healthy vessel may be there, but shorter than a plateau: as wide as it should be, not wider.
     ends = np.maximum.accumulate(diameter), np.maximum.accumulate(diameter[::-1])[::-1]
     has_short = [(widest >= (1 - EDGE_DEGREE) * line) & (widest <= FLARE * line) for widest in ends]
     is_one_sided = np.isnan(before.along) & ~has_short[0] | np.isnan(after.along) & ~has_short[1]
-    is_healthy = diameter >= (1 - EDGE_DEGREE) * line[:, None]
+    # Where the line widens toward an ostium, healthy vessel is no wider than the plateau beyond.
+    is_healthy = diameter >= (1 - EDGE_DEGREE) * np.fmin(line, after.diameter)[:, None]
     away = np.where(is_healthy, np.abs(along[:, None] - along), np.inf).min(axis=1)
     one_sided = np.where(away <= FOCAL * line, SMALLEST_FOCAL, SMALLEST_ONE_SIDED)
     enough = np.where(is_one_sided, one_sided, SMALLEST_DEGREE)

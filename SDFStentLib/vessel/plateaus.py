@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ..centerline import USUAL
 from ..validation import Flags, Floats, Indices
-from .runs import VesselRun
+from .runs import MURRAY_EXPONENT, SideBranch, VesselRun
 
 REFERENCE_REACH = 4.0
 """Diameters of a plateau over which it may stand for the healthy vessel."""
@@ -76,7 +77,8 @@ def plateaus_of(run: VesselRun) -> Plateaus:
     of_place = np.full(len(along), np.nan)
     chosen = is_within & is_healthy[:, None]
     np.fmax.at(of_place, near[chosen], np.broadcast_to(narrowest[:, None], near.shape)[chosen])
-    bulging = np.r_[0, np.cumsum(in_aneurysm(along, of_place, REFERENCE_REACH))]
+    whole = _undivided(along, of_place, run.side_branches)
+    bulging = np.r_[0, np.cumsum(in_aneurysm(along, whole, REFERENCE_REACH))]
     is_healthy &= bulging[first] == bulging[last]
     ends = np.maximum(along - half, along[:1]), np.minimum(along + half, along[-1:])
     # A part of it may lie on a slope, and what is in it is no narrowing of itself.
@@ -113,6 +115,13 @@ def _fits(along: Floats, half: Floats, run: VesselRun) -> Flags:
     begins = run.parent < 0 or along - half >= along[:1] - rounding
     ends = not run.division or along + half <= along[-1:] + rounding
     return np.asarray(np.full(len(along), True) & begins & ends)
+
+
+def _undivided(along: Floats, diameter: Floats, leaving: Sequence[SideBranch]) -> Floats:
+    """How wide (n,) a vessel would be with all that has left it: no branch ends a widening."""
+    taken = np.array([one.caliber**MURRAY_EXPONENT for one in leaving])
+    has_left = along[:, None] >= [one.arc_length for one in leaving]
+    return np.asarray((diameter**MURRAY_EXPONENT + has_left @ taken) ** (1 / MURRAY_EXPONENT))
 
 
 def medians(diameter: Floats, chosen: Flags, share: float = 0.5) -> Floats:
