@@ -304,9 +304,12 @@ def fadeChart(chart, isOld):
 
 
 def showPlace(point, size):
-    """Center all views on a point in world coordinates: slices jump there, cameras come so near that `size` mm fill a view's height."""
+    """Center all views on a point in world coordinates, so near that `size` mm fill a view's height."""
     slices = slicer.vtkMRMLSliceNode
     slices.JumpAllSlices(slicer.mrmlScene, *point, slices.CenteredJumpSlice)
+    for node in slicer.util.getNodesByClass("vtkMRMLSliceNode"):
+        width, height, thickness = node.GetFieldOfView()
+        node.SetFieldOfView(size * width / height, size, thickness)
     for camera in slicer.util.getNodesByClass("vtkMRMLCameraNode"):
         back = np.subtract(camera.GetPosition(), camera.GetFocalPoint())
         distance = size / 2 / math.tan(math.radians(camera.GetViewAngle()) / 2)

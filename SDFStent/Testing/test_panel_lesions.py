@@ -43,6 +43,7 @@ def test_lesions_are_listed_before_any_stent_is_added(host, theInputs, thePictur
 def test_a_click_goes_to_the_lesion_in_slices_and_3d(host, theInputs, aScene):
     camera = aScene.AddNewNodeByClass("vtkMRMLCameraNode")
     sliceNode = aScene.AddNewNodeByClass("vtkMRMLSliceNode")
+    sliceNode.SetFieldOfView(500.0, 250.0, 1.0)
     camera.SetPosition(300.0, 0.0, 0.0)
     camera.SetFocalPoint(0.0, 0.0, 0.0)
     lesion = found(host, theInputs)[0]
@@ -55,6 +56,9 @@ def test_a_click_goes_to_the_lesion_in_slices_and_3d(host, theInputs, aScene):
     assert height == pytest.approx(max(3 * lesion.length, 30.0))
     middle = [sliceNode.GetSliceToRAS().GetElement(row, 3) for row in range(3)]
     np.testing.assert_allclose(middle, lesion.point, atol=1e-6)
+    assert sliceNode.GetFieldOfView() == pytest.approx(
+        (2 * height, height, 1.0)
+    )  # a stent is dragged there, too
     camera.SetFocalPoint(9.0, 9.0, 9.0)
     clickRow(host, theInputs.ui.lesionTable, 0)  # once more: back again
     np.testing.assert_allclose(camera.GetFocalPoint(), lesion.point, atol=1e-6)
