@@ -209,7 +209,9 @@ def _table(name: str) -> str:
     typed = f"name !== null && window.inOrder('edit', ['{name}', [r, c, name]])"
     rename = f"item.edit && (name => {typed})(window.prompt({name}.columns[c], item.text))"
     return (
-        f'<div class="table" v-show="{name}.visible" v-memo="[{name}]" data-name="{name}"><table :title="{name}.tip">'
+        f'<div class="table" v-show="{name}.visible" v-memo="[{name}]" data-name="{name}" '
+        # One without rows is scrolled by its own keys on a narrow screen, others by those of a row.
+        f':tabindex="{name}.rows.length ? null : 0"><table :title="{name}.tip">'
         f'<thead><tr><th v-for="text in {name}.columns">{{{{ text }}}}</th></tr></thead><tbody>'
         f'<tr v-for="(row, r) in {name}.rows" :class="{{selected: r === {name}.selected}}" '
         f':aria-selected="r === {name}.selected" tabindex="0" '
