@@ -10,11 +10,14 @@ MOST = 100
 
 
 class History:
-    """The documents of one plan for one vessel; `note` keeps another one where the plan has changed."""
+    """The documents of one plan for one vessel; `note` keeps another one where the plan has changed.
+
+    The files of its inputs are no part of that: a scene that is saved or loaded has others.
+    """
 
     def __init__(self, parameterNode):
         self.parameterNode = parameterNode
-        self._inputs, self._documents, self._at = None, [], -1
+        self._inputs, self._steps, self._at = None, [], -1
 
     def _inputsNow(self):
         return self.parameterNode.vessel, self.parameterNode.centerline
@@ -27,31 +30,37 @@ class History:
     def note(self):
         """Keep the plan as it is now. One whose stents are not all placed is kept once they are; of another vessel nothing is."""
         if self.isOfAnother:
-            self._inputs, self._documents, self._at = self._inputsNow(), [], -1
+            self._inputs, self._steps, self._at = self._inputsNow(), [], -1
         try:
-            document = Plans.textOf(self.parameterNode)
+            step = self._stepNow()
         except InputError:
             return
-        if self._at < 0 or document != self._documents[self._at]:
-            self._documents = [*self._documents[: self._at + 1], document][-MOST:]
-            self._at = len(self._documents) - 1
+        if self._at >= 0 and step[0] == self._steps[self._at][0]:
+            self._steps[self._at] = step
+        else:
+            self._steps = [*self._steps[: self._at + 1], step][-MOST:]
+            self._at = len(self._steps) - 1
+
+    def _stepNow(self):
+        """The plan without its files, by which it is compared, and with them."""
+        return [Plans.textOf(self.parameterNode, hasFiles) for hasFiles in (False, True)]
 
     @property
     def document(self):
         """The text of the plan that was kept last, "" before the first."""
-        return self._documents[self._at] if self._documents else ""
+        return self._steps[self._at][1] if self._steps else ""
 
     def mayGo(self, steps):
         """Whether there is a plan so many steps before this one, or behind it."""
-        return 0 <= self._at + steps < len(self._documents)
+        return 0 <= self._at + steps < len(self._steps)
 
     def go(self, steps):
         """Make the plan as it was so many steps before, or as it is behind."""
         self.note()
         if self.mayGo(steps):
             self._at += steps
-            Plans.restore(self._documents[self._at], self.parameterNode)
-            self._documents[self._at] = Plans.textOf(self.parameterNode)
+            Plans.restore(self._steps[self._at][1], self.parameterNode)
+            self._steps[self._at] = self._stepNow()
 
 
 class HistoryButtons:

@@ -62,18 +62,19 @@ def settingsOf(parameterNode, live=False):
     return settings.with_changes(**changes)
 
 
-def planOf(parameterNode, stents=None):
+def planOf(parameterNode, stents=None, hasFiles=True):
     """Everything that determines the result, as the library's plan; of all stents unless some are given.
 
-    Its points are in the frame of the vessel's file, which may not say so itself; in RAS where there is no file.
+    Its points are in the frame of the vessel's file, which may not say so itself; in RAS where there is no file, or none is wanted.
     """
     chosen = stentsOf(parameterNode) if stents is None else stents
-    surface = fileOf(parameterNode.vessel)
+    vessel, centerline = parameterNode.vessel, parameterNode.centerline
+    surface = fileOf(vessel) if hasFiles else None
     frame = "RAS" if surface is None else Conversion.fileFrame(parameterNode.vessel)
     return Plan(
         stents=tuple(_inFrame(stent, frame) for stent in _allPlanned(chosen)),
         surface=surface,
-        centerline=fileOf(parameterNode.centerline),
+        centerline=fileOf(centerline) if hasFiles else None,
         units="mm" if surface is None else Conversion.fileUnits(parameterNode.vessel),
         frame=frame,
         settings=settingsOf(parameterNode),
@@ -128,9 +129,9 @@ def load(path, parameterNode):
     return " ".join(told)
 
 
-def textOf(parameterNode):
+def textOf(parameterNode, hasFiles=True):
     """The plan as the text of its document. Raises `InputError` while a stent is not placed."""
-    return plan_text(planOf(parameterNode))
+    return plan_text(planOf(parameterNode, hasFiles=hasFiles))
 
 
 def restore(text, parameterNode):

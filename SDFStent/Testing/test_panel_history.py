@@ -2,7 +2,7 @@
 
 import numpy as np
 import slicer
-from panel_helpers import deploy, settle
+from panel_helpers import deploy, saveAsFile, settle
 
 
 def stateOf(panel):
@@ -155,6 +155,26 @@ def test_every_plan_has_changes_of_its_own_and_another_vessel_none(host, aStent)
     rest(host, aStent)
     assert not ui.undoButton.enabled
     assert not ui.redoButton.enabled
+
+
+def test_a_scene_that_is_saved_or_loaded_is_no_step_of_a_plan(host, aStent, tmp_path):
+    """Slicer keeps a model in a file, and of a scene file it has read forgets that again."""
+    ui, vessel = aStent.ui, aStent._parameterNode.vessel
+    rest(host, aStent)
+    ui.diameterSlider.value = 8.0
+    rest(host, aStent)
+    host.click(ui.undoButton)
+    before, steps = stateOf(aStent), len(aStent.sections[0]._history._steps)
+    for path in (tmp_path / "vessel.vtp", ""):
+        if path:
+            saveAsFile(vessel, path, "LPS")
+        else:
+            vessel.GetStorageNode().SetFileName("")
+        aStent._parameterNode.parameterNode.Modified()
+        rest(host, aStent)
+        assert len(aStent.sections[0]._history._steps) == steps
+        assert ui.redoButton.enabled
+    assert isSame(stateOf(aStent), before)
 
 
 def test_the_vessel_is_seen_before_and_after_the_stents_by_one_button(host, aStent):
