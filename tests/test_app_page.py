@@ -481,7 +481,29 @@ def test_numbers_follow_a_slider_while_it_is_dragged_and_expansion_goes_back(a_v
     playwright.expect(a_visit.number("expansionSlider")).to_have_value("0")
 
 
-def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_visit):
+def by_mouse(visit, way):
+    """Drag along places in the window."""
+    mouse = visit.page.mouse
+    mouse.move(*way[0])
+    visit.page.wait_for_timeout(300)  # a hand rests before it presses
+    mouse.down()
+    for place in way[1:]:
+        mouse.move(*place)
+        visit.page.wait_for_timeout(30)
+    mouse.up()
+
+
+def by_finger(visit, way):
+    """The same on a screen that is touched."""
+    session = visit.context.new_cdp_session(visit.page)
+    steps = ["touchStart", *["touchMove"] * (len(way) - 1), "touchEnd"]
+    for kind, place in zip(steps, [*way, None], strict=True):
+        points = [dict(zip("xy", place, strict=True))] if place else []
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        visit.page.wait_for_timeout(30)
+
+
+def test_a_click_on_the_centerline_places_the_handle_and_mouse_and_finger_drag_it(a_visit):
     a_visit.add_stent()
     place = a_visit.named("placeWidget")
     place.click()
@@ -493,25 +515,19 @@ def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_vi
     a_visit.page.mouse.click(x, y)
     playwright.expect(place).to_have_attribute("aria-pressed", "false")
     playwright.expect(a_visit.named("message")).to_have_text("")
-    before = a_visit.center()
-    x, y = a_visit.seen(lambda red, green, blue: (blue > red + 80) & (blue > green + 30))
-    mouse = a_visit.page.mouse
-    mouse.move(x, y)
-    a_visit.page.wait_for_timeout(300)  # a hand rests before it presses
-    mouse.down()
-    for step in range(1, 7):  # up the main pulmonary artery
-        mouse.move(x, y - 10 * step)
-        a_visit.page.wait_for_timeout(30)
-    mouse.up()
-    line, moved = branching_pulmonary_artery().centerline, before
-    for _attempt in range(600):  # let go, it is moved onto the line
-        moved = a_visit.center()
-        beside = np.linalg.norm(line.project(moved).point - moved)
-        if beside < 1e-4 and np.linalg.norm(moved - before) > 2:
-            break
-        a_visit.page.wait_for_timeout(300)
-    assert beside < 1e-4
-    assert np.linalg.norm(moved - before) > 2
+    line = branching_pulmonary_artery().centerline
+    for drag, up in (by_mouse, 10), (by_finger, -10):  # the main pulmonary artery, and back
+        before = moved = a_visit.center()
+        x, y = a_visit.seen(lambda red, green, blue: (blue > red + 80) & (blue > green + 30))
+        drag(a_visit, [(x, y - up * step) for step in range(7)])
+        for _attempt in range(600):  # let go, it is moved onto the line
+            moved = a_visit.center()
+            beside = np.linalg.norm(line.project(moved).point - moved)
+            if beside < 1e-4 and np.linalg.norm(moved - before) > 2:
+                break
+            a_visit.page.wait_for_timeout(300)
+        assert beside < 1e-4
+        assert np.linalg.norm(moved - before) > 2
 
 
 def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
