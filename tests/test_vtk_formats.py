@@ -84,47 +84,38 @@ def test_cut_files_and_noise_never_crash_never_print_and_never_pass_for_another_
     assert run.returncode == 0
 
 
-@pytest.mark.parametrize(
-    ("name", "data", "words"),
-    [
-        ("a.vtp", b"not XML", r"expected a VTP file \(VTK XML\), got a file that begins with"),
-        ("a.vtp", b"# vtk DataFile Version 3.0\n", r"got a legacy VTK file \(name it .vtk\)"),
-        ("a.vtp", b"PK\3\4", "got a ZIP archive"),
-        ("a.vtp", b'<VTKFile type="UnstructuredGrid"></VTKFile>', "got UnstructuredGrid"),
-        ("a.vtp", b'<VTKFile type="PolyData"><PolyData>', "its end is missing"),
-        (
-            "a.vtp",
-            b'<VTKFile type="PolyData"><Piece NumberOfPoints="99999999999"/></VTKFile>',
-            "expected one PolyData",
-        ),
-        ("a.vtp", b'<VTKFile type="PolyData"><PolyData></VTKFile>', "expected well-formed XML"),
-        ("a.vtk", b"<VTKFile>", r"expected a legacy VTK file, got a VTK XML file \(name it .vtp"),
-        ("a.vtk", b"# vtk DataFile Version 3.0\n", "expected ASCII or BINARY in its third line"),
-        ("a.vtk", b"# vtk DataFile Version 3.0\n\nASCII\n", "got no data set"),
-        (
-            "a.vtk",
-            b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_GRID\n",
-            "got STRUCTURED_GRID",
-        ),
-        ("a.vtk", b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n", "expected POINTS"),
-        (
-            "a.vtk",
-            b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 9999999999 float\n",
-            "expected 29999999997 numbers",
-        ),
-        (
-            "a.vtk",
-            b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n"
-            b"POINT_DATA 1\nFIELD FieldData 1\nname 1 9 string\na\n",
-            "expected 9 texts, got the end",
-        ),
-    ],
-)
-def test_what_vtk_would_choke_on_is_said_first(tmp_path, name, data, words):
+LEGACY, XML = b"# vtk DataFile Version 3.0\n", b'<VTKFile type="PolyData">'
+POLYDATA = LEGACY + b"x\nASCII\nDATASET POLYDATA\n"
+FIELD = b"POINTS 1 float\n0 0 0\nPOINT_DATA 1\nFIELD FieldData 1\nname 1 9 string\na\n"
+CHOKING = {
+    "a.vtp": {
+        b"not XML": r"expected a VTP file \(VTK XML\), got a file that begins with",
+        LEGACY: r"got a legacy VTK file \(name it .vtk\)",
+        b"PK\3\4": "got a ZIP archive",
+        b'<VTKFile type="UnstructuredGrid"></VTKFile>': "got UnstructuredGrid",
+        XML + b"<PolyData>": "its end is missing",
+        XML + b'<Piece NumberOfPoints="99999999999"/></VTKFile>': "expected one PolyData",
+        XML + b"<PolyData></VTKFile>": "expected well-formed XML",
+    },
+    "a.vtk": {
+        b"<VTKFile>": r"expected a legacy VTK file, got a VTK XML file \(name it .vtp",
+        LEGACY: "expected ASCII or BINARY in its third line",
+        LEGACY + b"\nASCII\n": "got no data set",
+        LEGACY + b"x\nASCII\nDATASET STRUCTURED_GRID\n": "got STRUCTURED_GRID",
+        POLYDATA: "expected POINTS",
+        POLYDATA + b"POINTS 9999999999 float\n": "expected 29999999997 numbers",
+        POLYDATA + FIELD: "expected 9 texts, got the end",
+    },
+}
+
+
+@pytest.mark.parametrize("name", CHOKING)
+def test_what_vtk_would_choke_on_is_said_first(tmp_path, name):
     path = tmp_path / name
-    path.write_bytes(data)
-    with pytest.raises(InputError, match=words):
-        read_vtk_polydata(read_content(path))
+    for data, words in CHOKING[name].items():
+        path.write_bytes(data)
+        with pytest.raises(InputError, match=words):
+            read_vtk_polydata(read_content(path))
 
 
 def test_what_vtk_cannot_write_is_said():
