@@ -86,11 +86,15 @@ def _inscribed(wall: Wall, truth: Truth, lumen: float) -> np.ndarray:
 
 
 def _degree(truth: Truth, wide: np.ndarray) -> float:
-    """Percent by diameter that diameters (n,) leave of a narrowing, by the interpolated truth."""
+    """Percent by diameter that diameters (n,) leave of a narrowing, by the interpolated truth.
+
+    Nowhere is it wider than the vessel before it was narrowed: it spans both of two in tandem.
+    """
     inner = slice(truth.begin, truth.end + 1)
     along, sides = np.array(truth.along)[inner], (truth.proximal, truth.distal)
     known = [one for one in sides if one is not None]
     healthy = np.interp(along, along[[0, -1]], [known[0], known[-1]])
+    healthy = np.minimum(healthy, np.array(truth.own)[inner])
     return float(100 * (1 - wide[inner] / healthy).max())
 
 
