@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,6 +13,17 @@ from pathlib import Path
 
 import psutil
 from child_processes import INTERRUPTIBLE, PATIENCE, PROJECT
+
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
+"""The browser that looks at its pages; started so that only the page asks for anything."""
+QUIET = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
 
 
 class AppServer:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import json
-import os
 import re
-import shutil
 import stat
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
@@ -20,7 +18,7 @@ playwright = pytest.importorskip("playwright.sync_api", reason="playwright is no
 for name in ("slicer", "trame", "trame_rca", "aiohttp"):
     pytest.importorskip(name, reason="the extra app is not installed")
 
-from app_server import AppServer, get  # noqa: E402
+from app_server import CHROMIUM, QUIET, AppServer, get  # noqa: E402
 from PIL import Image  # noqa: E402
 from polydata_cases import read_by_vtk  # noqa: E402
 
@@ -32,15 +30,6 @@ from SDFStentLib.files import (  # noqa: E402
 )
 from SDFStentLib.phantoms import branching_pulmonary_artery, straight_tube  # noqa: E402
 
-CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
-QUIET = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-)
 DAMAGED = {
     "cut.stl": (
         b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n",

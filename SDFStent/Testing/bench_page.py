@@ -10,8 +10,6 @@ Needs the extra `app`, playwright and a Chromium (or its path in the variable CH
 
 import argparse
 import math
-import os
-import shutil
 import sys
 import tempfile
 import time
@@ -24,9 +22,8 @@ from playwright.sync_api import sync_playwright
 PROJECT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(PROJECT), str(PROJECT / "tests")]
 
-from app_server import AppServer  # noqa: E402
+from app_server import CHROMIUM, QUIET, AppServer  # noqa: E402
 
-ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-sync", "--no-first-run")
 EVENTS_PER_S = 40
 """Of the mouse: a hand's come 30 to 60 times a second, and each costs the driver time that a user would not need."""
 
@@ -206,8 +203,7 @@ def main():
         begins = [given[0], "--centerline", given[1]] if given else ["--demo"]
         server = AppServer(folder / "workshop", *begins, "--keep", "0.5")
         try:
-            path = os.environ.get("CHROMIUM") or shutil.which("chromium")
-            browser = driver.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+            browser = driver.chromium.launch(executable_path=CHROMIUM, args=QUIET)
             if arguments.pages:
                 openAndClose(browser, server, arguments.pages)
             else:

@@ -5,8 +5,6 @@ usage: make_page_pictures.py [FOLDER]          default: docs/images
 Needs the extra `app`, playwright and a Chromium (or its path in the variable CHROMIUM).
 """
 
-import os
-import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -16,9 +14,8 @@ from playwright.sync_api import sync_playwright
 PROJECT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(PROJECT), str(PROJECT / "tests")]
 
-from app_server import AppServer  # noqa: E402
+from app_server import CHROMIUM, QUIET, AppServer  # noqa: E402
 
-ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-sync", "--no-first-run")
 PICTURES = {
     "app.png": (1280, 800, "light"),
     "app-dark.png": (1280, 800, "dark"),
@@ -51,8 +48,7 @@ def main(folder):
     """One page of its own for each picture."""
     with tempfile.TemporaryDirectory() as workshop, sync_playwright() as driver:
         server = AppServer(Path(workshop), "--demo")
-        executable = os.environ.get("CHROMIUM") or shutil.which("chromium")
-        browser = driver.chromium.launch(executable_path=executable, args=ARGUMENTS)
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=QUIET)
         for name, (width, height, look) in PICTURES.items():
             context = browser.new_context(
                 viewport={"width": width, "height": height}, color_scheme=look
