@@ -19,6 +19,7 @@ from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
+    AtDistalEnd,
     Balloon,
     BetweenPoints,
     LatticeDesign,
@@ -68,6 +69,11 @@ def stored(points=THREE, **values):
 
 GROUPS = {
     "stents": {
+        "stent diameter: .* got 'x'": lambda: a_stent("x"),
+        "expected a length in mm for a placement by one": lambda: a_stent(length=None),
+        "stent length: .* got inf": lambda: a_stent(length=np.inf),
+        "distal end: expected finite": lambda: AtDistalEnd([0, 0, np.nan]),
+        "stent end: expected numbers": lambda: BetweenPoints([0, 0, 0], ["a", 0, 0]),
         "stent length: .* greater than 0": lambda: a_stent(length=-1),
         r"at most 500 \(mm\), got 5000": lambda: a_stent(length=5000),
         "expected none between two points": lambda: a_stent(placement=ENDS),
@@ -79,6 +85,10 @@ GROUPS = {
         "axis: expected two different points": lambda: straight_way(Line(np.ones((3, 3)))),
     },
     "shapes": {
+        "waist: expected a number greater than 0": lambda: Waist(0),
+        "cap height: expected a number at least 0.1 and at most 1": lambda: Shape(cap_height=0),
+        "got 0, 0.6, 0.4, 1": lambda: Shape(table=((0, 8.0), (0.6, 7.0), (0.4, 7.0), (1, 8.0))),
+        "rows of a fraction and a diam": lambda: Shape(table=((0, 8.0, 1.0), (1, 7.0))),
         "waist position: expected a number at least 0 and at mo": lambda: Waist(6, position=1.2),
         "waist length: expected a number greater than 0": lambda: Waist(6, length=-2),
         "length of the end: expected a number greater than 0": lambda: StentEnd(9, 0),
@@ -88,6 +98,10 @@ GROUPS = {
         "profile diameter: expected": lambda: Shape(table=((0, -8.0), (1, 7.0))),
     },
     "balloons and devices": {
+        "balloon diameter: expected a number greater than 0": lambda: Balloon(0, 0.1),
+        "recoil: .* at least 0 and at most 0.5, got -0.1": lambda: Balloon(8, -0.1),
+        "recoil: expected a number": lambda: Balloon(8, np.nan),
+        "7.2 mm, the lumen that a balloon of": lambda: a_stent(8.0, balloon=Balloon(8, 0.1)),
         "diameter: expected a number greater than 0 and at most 100": lambda: Balloon(101, 0.1),
         # The balloon, though the lumen that it leaves is not.
         "balloon diameter: expected at most 22 mm, the largest": lambda: a_stent(
@@ -112,7 +126,10 @@ GROUPS = {
         "crimped diameter": lambda: LatticeDesign(crimped_diameter=0),
         "expansion": lambda: a_bent_lattice(1.1),
         "length: expected": lambda: straight_lattice(0, 3, LatticeDesign()),
+        "length: .* got nan": lambda: straight_lattice(np.nan, 3, LatticeDesign()),
         "radius: expected": lambda: straight_lattice(10, -1, LatticeDesign()),
+        "radius: .* got 0": lambda: straight_lattice(10, 0, LatticeDesign()),
+        "expected finite coordinates": lambda: carried(THREE, Line([[0, 0, np.nan], [0, 0, 1]])),
         "expected two": lambda: carried([[0, 0, 0]], Line([[0, 0, 0], [0, 0, 0]])),
     },
     "lines": {
