@@ -68,14 +68,14 @@ def planOf(parameterNode, stents=None, hasFiles=True):
     Its points are in the frame of the vessel's file, which may not say so itself; in RAS where there is no file, or none is wanted.
     """
     chosen = stentsOf(parameterNode) if stents is None else stents
-    vessel, centerline = parameterNode.vessel, parameterNode.centerline
-    surface = fileOf(vessel) if hasFiles else None
-    frame = "RAS" if surface is None else Conversion.fileFrame(parameterNode.vessel)
+    vessel, line = parameterNode.vessel, parameterNode.centerline
+    surface, centerline = (fileOf(node) if hasFiles else None for node in (vessel, line))
+    frame = "RAS" if surface is None else Conversion.fileFrame(vessel)
     return Plan(
         stents=tuple(_inFrame(stent, frame) for stent in _allPlanned(chosen)),
         surface=surface,
-        centerline=fileOf(centerline) if hasFiles else None,
-        units="mm" if surface is None else Conversion.fileUnits(parameterNode.vessel),
+        centerline=centerline,
+        units="mm" if surface is None else Conversion.fileUnits(vessel),
         frame=frame,
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.method.straightening / 100,

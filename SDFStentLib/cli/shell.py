@@ -29,6 +29,7 @@ _BESIDE = {
 """Commands that are in the file of another one."""
 
 _NEGATIVE = re.compile(r"-\.?\d[^.]*(\.(\d[^.]*|[eE][-+]?\d+|\w+/\w+)?)?")
+"""A number, with a unit or without; no name of a file such as -1.vtp."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
