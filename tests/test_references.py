@@ -10,7 +10,8 @@ from SDFStentLib.centerline import Stretch
 from SDFStentLib.geometry import Line
 from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
-from SDFStentLib.vessel.narrowings import Plateau, Reference, narrowings
+from SDFStentLib.vessel.narrowings import narrowings
+from SDFStentLib.vessel.plateaus import Plateau, Reference
 from SDFStentLib.vessel.runs import SideBranch, VesselRun, _ostium
 
 SPACING = 0.5
@@ -74,6 +75,22 @@ def test_a_valley_between_two_throats_is_no_healthy_vessel():
     (one,) = narrowings(vessel_along(valley))
     assert one.start < 18
     assert one.end > 33
+
+
+def test_two_throats_with_healthy_vessel_between_them_are_two():
+    """In an aorta one of 71 % was not told: the deeper one, as the same part, ended before it."""
+    proximal = ((0, 22), (24, 22), (62, 25), (72, 25), (94, 22), (98, 16), (106, 5.9), (116, 19))
+    distal = ((122, 17), (130, 17), (136, 8.5), (140, 4.9), (144, 7.7), (146, 7), (156, 17))
+    found = narrowings(vessel_along(through(*proximal, *distal, (176, 17), (200, 16), (216, 14))))
+    assert [round(one.narrowest) for one in found] == [106, 140]
+
+
+def test_healthy_vessel_too_short_for_a_plateau_divides_two_throats():
+    """One of 40 % was not told: beyond the next one the vessel is hardly wider than it."""
+    proximal = ((0, 12), (4, 12), (14, 8), (23, 6.5), (33, 5.9), (46, 7), (55, 11.8), (66, 11))
+    distal = ((76, 9.8), (82, 9.8), (86, 6.7), (90, 5.3), (96, 6.6), (100, 6), (112, 5))
+    found = narrowings(vessel_along(through(*proximal, (69, 7.2), (71, 6.2), *distal)))
+    assert [round(one.narrowest) for one in found] == [33, 71, 90]
 
 
 @pytest.mark.parametrize(("throat", "is_known"), [(1.1, True), (np.nan, False)])

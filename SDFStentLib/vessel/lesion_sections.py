@@ -11,8 +11,7 @@ import numpy as np
 from ..geometry import Line, Surface, compacted, may_meet_box
 from ..lumen import equivalent_diameters
 from ..validation import Floats, Points, Triangles
-from .narrowings import Plateau
-from .plateaus import PLATEAU
+from .plateaus import PLATEAU, Plateau
 from .runs import VesselRun
 
 SECTIONS = 16

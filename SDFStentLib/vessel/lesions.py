@@ -21,9 +21,9 @@ from .branch_names import named_branches, size_words
 from .lesion_measuring import lesions_after, measured
 from .lesion_sections import HealthySections
 from .lesion_value import HealthyPlace, Lesion, reference_words
-from .narrowings import SMALLEST_DEGREE, Narrowing, Plateau, narrowings
+from .narrowings import SMALLEST_DEGREE, Narrowing, narrowings
 from .own_diameters import measured_runs
-from .plateaus import healthy_caliber
+from .plateaus import Plateau, healthy_caliber
 from .runs import VesselRun, is_main
 
 _ASLANT = 2.0

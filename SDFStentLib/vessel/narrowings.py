@@ -13,18 +13,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import SAME_CALIBER
 from ..validation import Flags, Floats
 from .plateaus import (
     PLATEAU,
     REFERENCE_REACH,
+    Plateau,
     Plateaus,
+    Reference,
     known_stations,
     medians,
     parts_of,
     plateaus_of,
+    tapered,
 )
-from .runs import MURRAY_EXPONENT, SideBranch, VesselRun
+from .runs import MURRAY_EXPONENT, VesselRun
 
 SMALLEST_DEGREE = 0.15
 """Of the reference diameter; less is the unevenness of healthy vessels and of segmentations."""
@@ -45,6 +47,12 @@ SMALLEST_RECOVERY = 1 / 8
 """A narrowing is at least so much narrower than the narrower one of its two references: beyond it
 the vessel is wider again. Where it is not, the vessel tapers or divides."""
 
+SHORT = 0.5
+"""Diameters over which healthy vessel that is too short for a plateau keeps its width;"""
+
+SHORT_RECOVERY = 0.25
+"""a narrowing beside it is at least so much narrower than that, and than its reference."""
+
 EDGE_DEGREE = 0.10
 """A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
 
@@ -54,10 +62,6 @@ slowly than that tapers."""
 
 FLARE = 1.25
 """Times the reference from which the vessel at its end is the ostium's flare, no healthy vessel."""
-
-IN_STEPS = 0.5
-"""Share of the difference between two plateaus that may fall at branches: vessels of real trees
-taper between them, too."""
 
 HEALTHY_AGAIN = 0.78
 """Share of the other side's diameter from which a plateau between a lesion and the vessel's end at
@@ -73,66 +77,6 @@ GAIN = 0.03
 REGAINED = 0.5
 """Share of what a narrowing lost that its vessel has regained where a plateau is healthy although
 a farther one is wider: healthy vessels widen, too. A valley between two throats has less."""
-
-
-class Plateau(NamedTuple):
-    """Healthy vessel on one side of a narrowing."""
-
-    arc_length: float
-    """From the root, mm; NaN for one beyond a division, that its branches tell."""
-    diameter: float
-    """mm."""
-
-
-class Reference(NamedTuple):
-    """The healthy vessel along a narrowing, as quantitative angiography interpolates it.
-
-    Between both plateaus D^(7/3) falls where branches leave by what the rule says that these take
-    (`MURRAY_EXPONENT`), but by no more than `IN_STEPS` of the difference, and what is left of it
-    goes evenly along the vessel. A branch as wide as the vessel beyond it makes a step by the rule.
-    With one plateau the reference is as wide as that, but for a vessel that tapers from an ostium.
-    """
-
-    proximal: Plateau | None
-    distal: Plateau | None
-    side_branches: tuple[SideBranch, ...] = ()
-    taper: float = 0.0
-    """Share by which it widens per mm from the distal plateau, which is alone, to an ostium,"""
-    widest: float = 0.0
-    """up to this diameter, mm."""
-
-    def at(self, along: Floats) -> Floats:
-        """Healthy diameters (n,) at some arc lengths from the root, mm."""
-        known = [side for side in (self.proximal, self.distal) if side is not None]
-        if len(known) == 1 or any(np.isnan(side.arc_length) for side in known):
-            # A plateau that has no place is no wider than the other one.
-            narrower = min(known, key=lambda side: side.diameter)
-            return _tapered(along, *narrower, self.taper, self.widest)
-        (first, before), (last, after) = known
-        share = np.clip((along - first) / max(last - first, 1e-300), 0.0, 1.0)
-        if before <= after:
-            return np.asarray(before + share * (after - before))
-        fall = before**MURRAY_EXPONENT - after**MURRAY_EXPONENT
-        between = [one for one in self.side_branches if first < one.arc_length < last]
-        taken = np.array([one.caliber**MURRAY_EXPONENT for one in between])
-        parts = any(one.caliber >= SAME_CALIBER * after for one in between)
-        taken *= min(1.0, (1.0 if parts else IN_STEPS) * fall / max(taken.sum(), 1e-300))
-        places = np.array([one.arc_length for one in between])
-        stepped = (along[:, None] >= places) @ taken if between else 0.0
-        left = before**MURRAY_EXPONENT - stepped - share * (fall - taken.sum())
-        return np.asarray(left ** (1 / MURRAY_EXPONENT))
-
-
-def _tapered(
-    along: Floats,
-    middle: Floats | float,
-    diameter: Floats | float,
-    taper: Floats | float,
-    widest: Floats | float,
-) -> Floats:
-    """How wide (n,) a vessel is that widens from a plateau toward its ostium, mm; not where NaN."""
-    wider = diameter * (1 + taper * np.nan_to_num(middle - along))
-    return np.asarray(np.fmax(np.minimum(wider, widest), diameter))
 
 
 class Narrowing(NamedTuple):
@@ -162,17 +106,24 @@ def narrowings(run: VesselRun, eased: float = 0.0) -> list[Narrowing]:
         return []
     before, after = _sides(run, along, diameter, plateaus_of(run))
     degree, counts = _degrees(along, diameter, before, after, eased)
-    throats = [
-        first + int(np.where(counts, diameter, np.inf)[first : last + 1].argmin())
-        for first, last in parts_of(along, degree > EDGE_DEGREE, diameter / (1 - degree))
-        if counts[first : last + 1].any()
-    ]
+    parts = parts_of(along, degree > EDGE_DEGREE, diameter / (1 - degree))
     found: list[Narrowing] = []
-    # What lies in the narrowing round a deeper throat is measured against the reference of that.
-    for at in sorted(throats, key=lambda throat: -float(degree[throat])):
+    # Ends: each round drops a part, or at least the throat of one. What lies in the narrowing
+    # round a deeper throat is measured against the reference of that.
+    while counts.any():
+        throats = [
+            first + int(np.where(counts, diameter, np.inf)[first : last + 1].argmin())
+            for first, last in parts
+            if counts[first : last + 1].any()
+        ]
+        at = max(throats, key=lambda throat: float(degree[throat]))
         one = _extent(along, diameter, at, _reference(run, at, before, after))
         if one and all(one.end <= other.start or other.end <= one.start for other in found):
             found.append(one)
+            counts &= (along < one.start) | (along > one.end)
+        else:
+            first, last = next(part for part in parts if part[0] <= at <= part[1])
+            counts[first : last + 1] = False
     return sorted(found, key=lambda one: one.start)
 
 
@@ -285,12 +236,12 @@ def _degrees(
     span = after.along - before.along
     share = np.divide(along - before.along, span, out=np.zeros(len(along)), where=span > 0)
     line = before.diameter + share * (after.diameter - before.diameter)
-    wider = _tapered(along, after.along, after.diameter, after.taper, before.diameter)
+    wider = tapered(along, after.along, after.diameter, after.taper, before.diameter)
     line = np.where(np.isnan(before.along), wider, line)
     narrower = np.fmin(before.diameter, after.diameter)
     line = np.where(np.isnan(after.along), narrower, line)
     line = np.where(np.isfinite(line), line, diameter)
-    degree, recovery = 1 - diameter / line, 1 - diameter / narrower
+    degree = 1 - diameter / line
     # Healthy vessel may be there, but shorter than a plateau: as wide as it should be, not wider.
     ends = np.maximum.accumulate(diameter), np.maximum.accumulate(diameter[::-1])[::-1]
     has_short = [(widest >= (1 - EDGE_DEGREE) * line) & (widest <= FLARE * line) for widest in ends]
@@ -301,7 +252,26 @@ def _degrees(
     one_sided = np.where(away <= FOCAL * line, SMALLEST_FOCAL, SMALLEST_ONE_SIDED)
     enough = np.where(is_one_sided, one_sided, SMALLEST_DEGREE)
     is_told = ~is_one_sided | (away <= ONE_SIDED_REACH * line)
-    return degree, is_told & (degree >= enough - eased) & (recovery >= SMALLEST_RECOVERY - eased)
+    regained = _regained(along, diameter, line, (before, after))
+    recovers = (1 - diameter / narrower >= SMALLEST_RECOVERY - eased) | regained
+    return degree, is_told & (degree >= enough - eased) & recovers
+
+
+def _regained(along: Floats, diameter: Floats, line: Floats, sides: tuple[_Sides, _Sides]) -> Flags:
+    """Where (n,) a vessel is healthy on both sides, if for less than a plateau.
+
+    Beyond that it may be narrower than it is here, as where another narrowing follows.
+    """
+    near = np.abs(along[:, None] - along) <= SHORT * diameter[:, None] / 2
+    kept = np.where(near, diameter, np.inf).min(axis=1)
+    before, after = sides
+    is_before = (along < along[:, None]) & (along > before.along[:, None])
+    is_after = (along > along[:, None]) & (along < after.along[:, None])
+    widest = [
+        np.fmax(np.where(between, kept, 0.0).max(axis=1), side.diameter)
+        for between, side in ((is_before, before), (is_after, after))
+    ]
+    return np.asarray(diameter <= (1 - SHORT_RECOVERY) * np.fmin(np.fmin(*widest), line))
 
 
 def _reference(run: VesselRun, at: int, before: _Sides, after: _Sides) -> Reference:

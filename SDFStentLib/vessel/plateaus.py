@@ -1,4 +1,7 @@
-"""Healthy vessel: stretches about as long as a vessel is wide that neither slope nor bulge."""
+"""Healthy vessel: stretches about as long as a vessel is wide that neither slope nor bulge.
+
+And what it tells of the vessel between two of them.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import USUAL
+from ..centerline import SAME_CALIBER, USUAL
 from ..validation import Flags, Floats, Indices
 from .runs import MURRAY_EXPONENT, SideBranch, VesselRun
 
@@ -36,6 +39,70 @@ doi:10.1067/mva.1991.26737: a focal dilation by at least half of the normal diam
 
 FOOT = 0.05
 """A widening ends where its slope stops falling: where the vessel is wider again by so much."""
+
+IN_STEPS = 0.5
+"""Share of the difference between two plateaus that may fall at branches: vessels of real trees
+taper between them, too."""
+
+
+class Plateau(NamedTuple):
+    """Healthy vessel on one side of a narrowing."""
+
+    arc_length: float
+    """From the root, mm; NaN for one beyond a division, that its branches tell."""
+    diameter: float
+    """mm."""
+
+
+class Reference(NamedTuple):
+    """The healthy vessel along a narrowing, as quantitative angiography interpolates it.
+
+    Between both plateaus D^(7/3) falls where branches leave by what the rule says that these take
+    (`MURRAY_EXPONENT`), but by no more than `IN_STEPS` of the difference, and what is left of it
+    goes evenly along the vessel. A branch as wide as the vessel beyond it makes a step by the rule.
+    With one plateau the reference is as wide as that, but for a vessel that tapers from an ostium.
+    """
+
+    proximal: Plateau | None
+    distal: Plateau | None
+    side_branches: tuple[SideBranch, ...] = ()
+    taper: float = 0.0
+    """Share by which it widens per mm from the distal plateau, which is alone, to an ostium,"""
+    widest: float = 0.0
+    """up to this diameter, mm."""
+
+    def at(self, along: Floats) -> Floats:
+        """Healthy diameters (n,) at some arc lengths from the root, mm."""
+        known = [side for side in (self.proximal, self.distal) if side is not None]
+        if len(known) == 1 or any(np.isnan(side.arc_length) for side in known):
+            # A plateau that has no place is no wider than the other one.
+            narrower = min(known, key=lambda side: side.diameter)
+            return tapered(along, *narrower, self.taper, self.widest)
+        (first, before), (last, after) = known
+        share = np.clip((along - first) / max(last - first, 1e-300), 0.0, 1.0)
+        if before <= after:
+            return np.asarray(before + share * (after - before))
+        fall = before**MURRAY_EXPONENT - after**MURRAY_EXPONENT
+        between = [one for one in self.side_branches if first < one.arc_length < last]
+        taken = np.array([one.caliber**MURRAY_EXPONENT for one in between])
+        parts = any(one.caliber >= SAME_CALIBER * after for one in between)
+        taken *= min(1.0, (1.0 if parts else IN_STEPS) * fall / max(taken.sum(), 1e-300))
+        places = np.array([one.arc_length for one in between])
+        stepped = (along[:, None] >= places) @ taken if between else 0.0
+        left = before**MURRAY_EXPONENT - stepped - share * (fall - taken.sum())
+        return np.asarray(left ** (1 / MURRAY_EXPONENT))
+
+
+def tapered(
+    along: Floats,
+    middle: Floats | float,
+    diameter: Floats | float,
+    taper: Floats | float,
+    widest: Floats | float,
+) -> Floats:
+    """How wide (n,) a vessel is that widens from a plateau toward its ostium, mm; not where NaN."""
+    wider = diameter * (1 + taper * np.nan_to_num(middle - along))
+    return np.asarray(np.fmax(np.minimum(wider, widest), diameter))
 
 
 class Plateaus(NamedTuple):
