@@ -246,6 +246,10 @@ class SDFStentLogic(
         standing = standing or self.standing(parameterNode)
         return shown is not None and shown != standing.signature
 
+    def showsPlan(self, parameterNode):
+        """Whether the stents are shown as the parameters have them now."""
+        return parameterNode.outputStents is not None and not self.hasChanged(parameterNode)
+
     def hasSteps(self, parameterNode):
         """Whether there is a deployment to go back and forth over."""
         return self._shownOf(parameterNode).hasSteps

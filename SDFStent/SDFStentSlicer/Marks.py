@@ -1,8 +1,9 @@
-"""Markups that only show something: nobody chooses or saves them, and they are seen through what lies before them."""
+"""Nodes that only show something: nobody chooses or saves them. Markups are seen through what lies before them."""
 
 import slicer
 
-from .Handles import removeWhole
+from . import Display
+from .Handles import COLOR, removeWhole
 
 
 def createMark(className, name, points, texts=None):
@@ -32,6 +33,24 @@ def createMark(className, name, points, texts=None):
     display.SetPointLabelsVisibility(texts is not None)
     display.SetOccludedVisibility(True)
     display.SetOccludedOpacity(1.0)
+    return node
+
+
+def createTube(name, axis, radius):
+    """A model node of the tube that a stent will be."""
+    scene = slicer.mrmlScene
+    node = scene.CreateNodeByClass("vtkMRMLModelNode")
+    node.UnRegister(None)
+    node.SetName(name)
+    node.SetHideFromEditors(True)
+    node.SetSaveWithScene(False)
+    scene.AddNode(node)
+    node.CreateDefaultDisplayNodes()
+    node.GetDisplayNode().SetSaveWithScene(False)
+    node.GetDisplayNode().SetVisibility2D(True)
+    node.GetDisplayNode().SetColor(*COLOR)
+    Display.showTubes(node, [(axis, radius)])
+    node.GetDisplayNode().SetEdgeVisibility(False)
     return node
 
 

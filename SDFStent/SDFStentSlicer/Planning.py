@@ -119,15 +119,20 @@ class Planning:
         """Whether the centerline is converted already, so that asking for it takes no time."""
         return self._inputs.knownCenterline(parameterNode) is not None
 
+    def stentLying(self, parameterNode):
+        """As `lying`; None also before the centerline is known."""
+        centerline = self._inputs.knownCenterline(parameterNode)
+        return None if centerline is None else self.lying(parameterNode, centerline)
+
     def stentEnds(self, parameterNode):
         """Where the selected stent ends, (2, 3), the proximal one first.
 
         None where its length is not its own to set, and before the centerline is known.
         """
-        stent, centerline = stentOf(parameterNode), self._inputs.knownCenterline(parameterNode)
-        if centerline is None or stent.placement not in Sizes.BY_POINT:
+        stent = stentOf(parameterNode)
+        if stent.placement not in Sizes.BY_POINT or not Sizes.hasFreeLength(stent):
             return None
-        found = self.lying(parameterNode, centerline) if Sizes.hasFreeLength(stent) else None
+        found = self.stentLying(parameterNode)
         return None if found is None else found[1].points[[0, -1]]
 
     def leadEnds(self, parameterNode, ends):

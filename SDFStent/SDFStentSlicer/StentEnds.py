@@ -1,4 +1,4 @@
-"""Dots at both ends of the selected stent, which the mouse drags for its length."""
+"""Dots at both ends of the selected stent, which the mouse drags for its length, and a tube where it will lie until it is deployed."""
 
 import numpy as np
 import slicer
@@ -8,7 +8,7 @@ from slicer.util import VTKObservationMixin
 from . import Clock, Conversion, Sizes
 from .Dragging import VIEW_ATTRIBUTE
 from .Handles import COLOR, POINTS
-from .Marks import createMark, removeMark
+from .Marks import createMark, createTube, removeMark
 from .ParameterNode import Placement, stentOf
 
 SETTLE_MS = 100
@@ -22,11 +22,12 @@ AT_HANDLE = {Placement.PROXIMAL_END: 0, Placement.DISTAL_END: 1}
 
 
 class StentEnds(VTKObservationMixin):
-    """Shows dots where the stent of the parameter node ends that is shown, and lets it reach to where one of them is dragged."""
+    """Shows where the stent of the parameter node lies that is shown, and lets it reach to where one of its ends is dragged."""
 
     def __init__(self, logic):
         VTKObservationMixin.__init__(self)
         self._logic, self._node, self._isFollowing = logic, None, False
+        self._tube = None
         self._parameterNode = self._standing = None
         self._timer = Clock.timer(self._update, SETTLE_MS)
 
@@ -41,6 +42,7 @@ class StentEnds(VTKObservationMixin):
         if standing == self._standing:
             return
         self._parameterNode, self._standing = parameterNode, standing
+        removeMark(self._tube)
         if self._node is None or not self._node.GetAttribute(VIEW_ATTRIBUTE):
             if self._node is not None and self._node.GetScene() is not None:
                 self._node.SetDisplayVisibility(False)
@@ -62,10 +64,12 @@ class StentEnds(VTKObservationMixin):
             Conversion.changeStamp(stent.handle),
             Conversion.inputStamp(parameterNode),
             self._logic.knowsCenterline(parameterNode),
+            self._logic.showsPlan(parameterNode),
         )
 
     def _update(self):
         self._timer.stop()
+        self._showTube()
         ends = self._logic.stentEnds(self._parameterNode)
         if ends is None:
             self._remove()
@@ -82,6 +86,13 @@ class StentEnds(VTKObservationMixin):
         self._node.SetDisplayVisibility(True)
         self._logic.leadEnds(self._parameterNode, self._node)
 
+    def _showTube(self):
+        removeMark(self._tube)
+        lying = self._logic.stentLying(self._parameterNode)
+        if lying is not None and not self._logic.showsPlan(self._parameterNode):
+            stent, axis = lying
+            self._tube = createTube(_("Planned stent"), axis, stent.widest_diameter / 2)
+
     def _create(self, ends):
         self._node = createMark(POINTS, _("Ends of the stent"), ends)
         display = self._node.GetDisplayNode()
@@ -96,6 +107,7 @@ class StentEnds(VTKObservationMixin):
     def _remove(self):
         self.removeObservers()
         removeMark(self._node)
+        removeMark(self._tube)
         self._node = None
 
     def _onMoved(self, caller=None, event=None):

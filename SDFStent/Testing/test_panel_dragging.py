@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import planned, settle, theThroat
+from panel_helpers import deploy, planned, settle, theThroat
 
 
 @pytest.fixture
@@ -117,6 +117,26 @@ def test_a_dot_at_an_end_is_dragged_for_the_length(host, aStent, theView, placem
     host.click(ui.removeStentButton)
     host.processUntil(lambda: not aStent.ends.isBusy)
     assert slicer.mrmlScene.GetFirstNodeByName("Ends of the stent") is None
+
+
+def test_where_a_stent_will_lie_is_seen_until_it_is_deployed(host, aStent):
+    """Nothing but the dots told it, which lie inside of the vessel."""
+
+    def tube():
+        host.processUntil(lambda: not aStent.ends.isBusy)
+        return slicer.mrmlScene.GetFirstNodeByName("Planned stent")
+
+    ui, ends = aStent.ui, endsOf(host, aStent)
+    wall = slicer.util.arrayFromModelPoints(tube())
+    for end in ends:
+        away = np.linalg.norm(wall - end, axis=1).min()
+        assert away == pytest.approx(ui.diameterSlider.value / 2, rel=0.05)
+    deploy(host, aStent)
+    assert tube() is None
+    ui.diameterSlider.value += 1.0
+    assert tube() is not None
+    host.click(ui.removeStentButton)
+    assert tube() is None
 
 
 def test_a_handle_dragged_in_a_slice_view_goes_to_the_nearest_place_in_space(host, aStent):
