@@ -51,54 +51,48 @@ def way_from(server):
 
 @pytest.fixture
 def a_server(tmp_path):
-    server = AppServer(tmp_path / "workshop", "--demo", "--keep", "0.2")
+    """One that a test ends."""
+    server = AppServer(tmp_path / "workshop", "--keep", "0.2")
     yield server
     server.close()
 
 
 @pytest.fixture(scope="module")
 def the_server(tmp_path_factory):
-    """One that no test ends."""
-    server = AppServer(tmp_path_factory.mktemp("workshop"), "--demo", "--keep", "0.2")
+    server = AppServer(tmp_path_factory.mktemp("workshop"), "--demo", "--keep", "300")
     yield server
     assert server.interrupt() == ""
 
 
-def page_of(server):
-    """A page of one's own, its process and where it is."""
-    known = server.pages()
-    address = get(server.address)[2]
-    (page,) = (one for one in server.pages() if one not in known)
-    return page, address
+@pytest.fixture(scope="module")
+def the_page(the_server):
+    """The process of its first page, and what a browser got: status, text and address."""
+    answer = get(the_server.address)
+    return the_server.pages()[0], answer
 
 
-def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server):
-    assert a_server.origin.startswith("http://127.0.0.1:")
-    for path in ("", "/", "/index.html", "/x/", f"/{a_server.token[:-1]}/", "/../", "/%2e%2e/"):
-        status, text, _ = get(a_server.origin + path)
-        assert status == 403, path
-        assert text == (
-            "SDF Stent: This address is not complete: use the one that sdfstent app has printed.\n"
-        )
-    status, _, _ = get(f"{a_server.origin}/x/ws", Upgrade="websocket", Connection="Upgrade")
-    assert status == 403
-    assert re.fullmatch(r"[\w-]+/index.html", way_from(a_server))  # relative, behind any proxy
-    status, text, address = get(a_server.address)
+def test_only_who_knows_the_token_is_answered(the_server, the_page):
+    page, (status, text, address) = the_page
     assert re.findall(r'(?:src|href)="(?:/|\w+:)', text) == []
     assert (status, '<div id="app">' in text) == (200, True)
-    assert address.startswith(a_server.address)
-    page = a_server.pages()[0]
-    kept = Path(f"{a_server.folder}-state")
+    assert address.startswith(the_server.address)
+    kept = Path(f"{the_server.folder}-state")
     written = {path.name for path in kept.rglob("*.vtp")}
     assert written == {"surface.vtp", "centerline.vtp"}  # of --demo
     ports = [c.laddr.port for c in page.net_connections() if c.status == psutil.CONN_LISTEN]
     for port in ports:  # the process of the page itself, without the server in front of it
         assert get(f"http://127.0.0.1:{port}/index.html")[0] == 403
     assert len(ports) == 1
-    assert a_server.interrupt() == ""
-    assert a_server.process.returncode == 0
-    assert not page.is_running()
-    assert list(a_server.folder.iterdir()) == []
+    assert the_server.origin.startswith("http://127.0.0.1:")
+    token = the_server.token
+    for path in ("", "/", "/index.html", "/x/", f"/{token[:-1]}/", "/../", "/%2e%2e/"):
+        status, text, _ = get(the_server.origin + path)
+        assert status == 403, path
+        assert text == (
+            "SDF Stent: This address is not complete: use the one that sdfstent app has printed.\n"
+        )
+    status, _, _ = get(f"{the_server.origin}/x/ws", Upgrade="websocket", Connection="Upgrade")
+    assert status == 403
 
 
 def answers(server, *lines):
@@ -115,8 +109,8 @@ def test_who_does_not_speak_http_is_answered_and_nobody_else_hears_of_it(the_ser
     assert " 400 " in answers(the_server, "POST / HTTP/1.1", "Host: x", "Content-Length: -5")
 
 
-def test_a_page_takes_no_messages_for_another_site(the_server):
-    _, address = page_of(the_server)
+def test_a_page_takes_no_messages_for_another_site(the_server, the_page):
+    _, (_, _, address) = the_page
     path = "/" + address.partition("://")[2].partition("/")[2].replace("index.html", "ws")
     host = the_server.origin.removeprefix("http://")
     asks = [
@@ -149,8 +143,8 @@ def chunk(content, length=None):
     return struct.pack("<III", 7, 0, len(content) if length is None else length) + content
 
 
-def test_nobody_makes_a_page_take_memory_and_two_windows_do_not_share_a_picture(the_server):
-    page, address = page_of(the_server)
+def test_nobody_makes_a_page_take_memory_and_two_windows_do_not_share_a_picture(the_page):
+    page, (_, _, address) = the_page
     address = address.replace("http", "ws", 1).replace("index.html", "ws")
     before = page.memory_info().rss
     closed = (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSE, False)
@@ -167,23 +161,28 @@ def test_messages_are_bounded_together():
     assert all(chunks.are_bounded(chunk(b"x" * 50)) for _message in range(100))
 
 
-def test_another_process_is_ready_for_the_next_page(the_server):
-    page_of(the_server)
+def test_another_process_is_ready_for_the_next_page(the_server, the_page):
     spare, deadline = [], time.monotonic() + PATIENCE
     while len(spare) < 1 and time.monotonic() < deadline:
         children = psutil.Process(the_server.process.pid).children()
         spare = [child for child in children if child not in the_server.pages()]
-    assert page_of(the_server)[0] == spare[0]
+    way = way_from(the_server)
+    assert re.fullmatch(r"[\w-]+/index.html", way)  # relative, behind any proxy
+    assert get(the_server.address + way)[0] == 200
+    assert spare[0] in the_server.pages()
 
 
-def test_a_page_that_has_failed_is_another_one_at_once_when_it_is_loaded_again(a_server):
-    _, _, address = get(a_server.address)
-    for _time in range(2):
-        (page,) = a_server.pages()
-        page.kill()  # and before the server has heard of it:
-        status, text, address = get(address)
-        assert (status, '<div id="app">' in text) == (200, True)
+def test_a_page_that_has_failed_is_loaded_again_at_once_and_ctrl_c_leaves_nothing(a_server):
+    status, text, address = get(a_server.address)
+    (page,) = a_server.pages()
+    assert (status, '<div id="app">' in text) == (200, True)
+    page.kill()  # and before the server has heard of it:
+    assert get(address)[:2] == (status, text)
+    (page,) = a_server.pages()
     assert a_server.interrupt() == ""
+    assert a_server.process.returncode == 0
+    assert not page.is_running()
+    assert list(a_server.folder.iterdir()) == []
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the browser is a script of the shell")
