@@ -40,6 +40,7 @@ def assert_is_table(text):
 # What is measured --------------------------------------------------------------------------------
 
 
+@pytest.mark.bench
 def test_in_a_tree_without_narrowings_none_is_invented():
     """Trees with some are judged in `test_tree_bench.py` and `test_vascular_tree.py`."""
     bench = benchmark("trees.bench")

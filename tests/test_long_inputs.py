@@ -160,8 +160,8 @@ PLANS = {
         "stents: expected at most 1,000, got 100,001",
     ),
     "stents that are all switched off": (
-        [{**STENT, "enabled": False}] * 100_001,
-        "stents: expected at most 1,000, got 100,001",
+        [{**STENT, "enabled": False}] * 1_001,
+        "stents: expected at most 1,000, got 1,001",
     ),
     **{
         f"{places[-1]} far away": (
