@@ -9,11 +9,14 @@ import subprocess
 import sys
 import urllib.error
 import urllib.request
+from importlib.util import find_spec
 from pathlib import Path
 
 import psutil
 from child_processes import INTERRUPTIBLE, PATIENCE, PROJECT
 
+IS_APP_INSTALLED = all(map(find_spec, ("slicer", "trame", "trame_rca", "aiohttp")))
+"""Looked for only: to import them takes seconds, in every process that collects tests."""
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
 """The browser that looks at its pages; started so that only the page asks for anything."""
 QUIET = (

@@ -15,10 +15,8 @@ import numpy as np
 import pytest
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-for name in ("slicer", "trame", "trame_rca", "aiohttp"):
-    pytest.importorskip(name, reason="the extra app is not installed")
 
-from app_server import CHROMIUM, QUIET, AppServer, get  # noqa: E402
+from app_server import CHROMIUM, IS_APP_INSTALLED, QUIET, AppServer, get  # noqa: E402
 from PIL import Image  # noqa: E402
 from polydata_cases import read_by_vtk  # noqa: E402
 
@@ -83,9 +81,12 @@ PATIENCE_MS = 1_800_000
 """Nothing is waited for longer, and so long only for what fails: a busy machine takes its time."""
 playwright.expect.set_options(timeout=PATIENCE_MS)
 
-pytestmark = pytest.mark.skipif(
-    CHROMIUM is None, reason="no Chromium: apt-get install chromium, or name it in CHROMIUM"
-)
+pytestmark = [
+    pytest.mark.skipif(not IS_APP_INSTALLED, reason="the extra app is not installed"),
+    pytest.mark.skipif(
+        CHROMIUM is None, reason="no Chromium: apt-get install chromium, or name it in CHROMIUM"
+    ),
+]
 
 
 def polydata_from_vtp(content, folder):

@@ -15,20 +15,19 @@ from pathlib import Path
 
 import psutil
 import pytest
+from app_server import IS_APP_INSTALLED, AppServer, get
+from child_processes import PATIENCE
 
 from SDFStentLib.cli import main
 from SDFStentLib.validation import InputError
 
-NEEDED = ("slicer", "trame", "trame_rca", "aiohttp")
-for name in NEEDED:
-    pytest.importorskip(name, reason="the extra app is not installed")
+if not IS_APP_INSTALLED:
+    pytest.skip("the extra app is not installed", allow_module_level=True)
 
-import aiohttp  # noqa: E402
-import msgpack  # noqa: E402
-from app_server import AppServer, get  # noqa: E402
-from child_processes import PATIENCE  # noqa: E402
+import aiohttp
+import msgpack
 
-from SDFStentApp.chunks import Chunks  # noqa: E402
+from SDFStentApp.chunks import Chunks
 
 HELLO = {
     "wslink": "1.0",

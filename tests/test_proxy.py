@@ -56,18 +56,18 @@ def half_way(phantom: phantoms.Phantom, length: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("phantom", "radius"),
+    ("make", "numbers", "radius"),
     [
-        (phantoms.straight_tube(3.0, 40, 0.3), 4.0),
-        (phantoms.bent_tube(3.0, 15, 90, 0.3), 4.0),
-        (phantoms.helix_tube(3.0, edge_length=0.3), 4.0),
-        (phantoms.stenosed_tube(3.0, 1.8, 40, 0.3), 3.6),
-        (phantoms.branching_pulmonary_artery(0.5), 6.0),
-        (phantoms.tube_with_neighbor(edge_length=0.3), 3.6),
+        (phantoms.straight_tube, {"radius": 3.0, "length": 40}, 4.0),
+        (phantoms.bent_tube, {"radius": 3.0, "bend_radius": 15, "angle_deg": 90}, 4.0),
+        (phantoms.helix_tube, {"radius": 3.0}, 4.0),
+        (phantoms.stenosed_tube, {"radius": 3.0, "throat_radius": 1.8, "length": 40}, 3.6),
+        (phantoms.branching_pulmonary_artery, {"edge_length": 0.5}, 6.0),
+        (phantoms.tube_with_neighbor, {}, 3.6),
     ],
-    ids=lambda value: getattr(value, "name", str(value)),
 )
-def test_the_preview_is_near_the_full_one_in_phantoms(phantom, radius):
+def test_the_preview_is_near_the_full_one_in_phantoms(make, numbers, radius):
+    phantom = make(**{"edge_length": 0.3, **numbers})
     found = Found(phantom.surface, half_way(phantom, 14), radius, phantom.centerline.points)
     assert found.seen.spacing > 0  # a sample, not all vertices
     assert found.largest <= FARTHEST * found.seen.spacing

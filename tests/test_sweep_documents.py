@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from child_processes import python
 from cohort_cases import PLAN, document, sweep_in, tube_folder, write_sweep
-from scipy import stats
 
 from SDFStentLib import InputError
 from SDFStentLib.cohort import Cases, load_sweep, sweep_from_document, sweep_schema
@@ -40,6 +39,8 @@ def test_a_grid_has_every_combination_once_in_the_order_of_the_document(folder):
 
 @pytest.mark.parametrize("method", ["random", "latin-hypercube", "sobol"])
 def test_drawn_values_have_their_distribution(method):
+    from scipy import stats  # takes a second to import
+
     axes = {
         "diameter": {"uniform": [6, 8]},
         "length": {"normal": [20, 3]},
