@@ -1,6 +1,7 @@
 """Load a .ui file as Slicer's `slicer.util.loadUI` does, with skins for every widget that is not Qt's own."""
 
 import xml.etree.ElementTree as ElementTree
+from functools import cache
 
 from PySide6 import QtCore, QtUiTools, QtWidgets
 
@@ -22,12 +23,21 @@ class Loader(QtUiTools.QUiLoader):
         return widget
 
 
-def loadUI(path):
-    """The panel's top widget. What Qt's loader does not know, properties and connections of skins, comes afterwards."""
+@cache
+def parsed(path):
+    """A .ui file, and what Qt's loader gets of it: all but the connections. Every test has a panel of its own."""
     root = ElementTree.parse(path).getroot()
     root.remove(connections := root.find("connections"))
+    given = ElementTree.tostring(root)
+    root.append(connections)
+    return root, given
+
+
+def loadUI(path):
+    """The panel's top widget. What Qt's loader does not know, properties and connections of skins, comes afterwards."""
+    root, given = parsed(path)
     buffer = QtCore.QBuffer()
-    buffer.setData(ElementTree.tostring(root))
+    buffer.setData(given)
     widget = Loader().load(buffer)
 
     def named(name):
@@ -36,7 +46,6 @@ def loadUI(path):
     for element in root.iter("widget"):
         if isinstance(found := named(element.get("name")), skins.Skin):
             fill(found, element)
-    root.append(connections)
     connect(root, named)
     return widget
 
