@@ -501,6 +501,7 @@ def _panel(folder: Path) -> Any:
 
     Clock.use(python_layer.AsyncTimer)
     slicer.util.modulePath = lambda _name: str(folder / "SDFStent.py")
+    slicer.util.showStatusMessage = lambda *_: False  # a page has no status bar
     layout = SimpleNamespace(addWidget=lambda _widget: None)
     widget = SDFStentWidget(SimpleNamespace(layout=lambda: layout, isEntered=True))
     widget.setup()

@@ -168,6 +168,8 @@ class LesionTable:
                 for column, text in enumerate(texts):
                     item = qt.QTableWidgetItem(text)
                     item.setToolTip(tip)
+                    if state:
+                        item.setFlags(qt.Qt.ItemIsEnabled)
                     table.setItem(row, column, item)
         finally:
             self._updating = False

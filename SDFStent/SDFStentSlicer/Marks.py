@@ -3,7 +3,10 @@
 import slicer
 
 from . import Display
-from .Handles import COLOR, removeWhole
+from .Handles import removeWhole
+
+TUBE_COLOR = (0.15, 0.65, 0.5)
+"""Neither that of lines and handles nor that of lesions."""
 
 
 def createMark(className, name, points, texts=None):
@@ -48,7 +51,7 @@ def createTube(name, axis, radius):
     node.CreateDefaultDisplayNodes()
     node.GetDisplayNode().SetSaveWithScene(False)
     node.GetDisplayNode().SetVisibility2D(True)
-    node.GetDisplayNode().SetColor(*COLOR)
+    node.GetDisplayNode().SetColor(*TUBE_COLOR)
     Display.showTubes(node, [(axis, radius)])
     node.GetDisplayNode().SetEdgeVisibility(False)
     return node

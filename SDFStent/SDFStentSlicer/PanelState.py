@@ -73,6 +73,9 @@ def _flowWords(parameterNode):
     return _("{mean:g} L/min").format(mean=mean) if mean > 0 else ""
 
 
+SAID_MS = 10_000
+"""So long the application's status bar shows what the panel says below *Deploy*."""
+
 PENDING, GOOD, BAD = "pending", "good", "bad"
 COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72, 0.45)}
 """On `BACKGROUND`, which lets them be read on any view. What a color says stands in the last line, too."""
@@ -135,7 +138,7 @@ class PanelState:
     def __init__(self, ui, logic, session, height):
         self.ui = ui
         self._logic, self._session, self._height = logic, session, height
-        self.atHand, self.steps = AtHand(), Steps(ui)
+        self.atHand, self.steps, self._said = AtHand(), Steps(ui), ""
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
@@ -245,6 +248,10 @@ class PanelState:
         instead = _("seen before the stents") if isBefore else ""
         instead = _("changed since; not deployed yet") if isOld else instead
         self.atHand.show(parameterNode.atHand, instead)
+        if parameterNode.status != self._said:
+            # Who asked from a section far below sees it, too.
+            slicer.util.showStatusMessage(parameterNode.status.rpartition("\n")[2], SAID_MS)
+            self._said = parameterNode.status
         sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)

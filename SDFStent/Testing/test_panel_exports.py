@@ -58,6 +58,8 @@ def test_device_and_networks_are_those_of_the_shell(host, theFiles, tmp_path):
     deploy(host, theFiles)
     ours = content(written(host, theFiles, ui.saveDeviceButton, tmp_path / "ours.vtp"))
     assert ui.statusLabel.text == f"Wrote {tmp_path / 'ours.vtp'}."
+    # The button may be far below that.
+    assert slicer.util.shownMessages[-1] == ui.statusLabel.text
     host.files.append(str(tmp_path / "ours.json"))
     host.click(ui.write0DButton)
     assert "expected a flow, without which there is no network" in ui.statusLabel.text

@@ -174,6 +174,8 @@ def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, 
     aPanel.ui.centerlineSelector.setCurrentNode(centerline)
     host.processUntil(lambda: aPanel.ui.lesionTable.visible)
     assert told(aPanel) == "Looking for lesions..."
+    aPanel.ui.lesionTable.selectRow(0)
+    assert not aPanel.ui.lesionTable.selectedItems()
     found(host, aPanel)
     assert ticks  # of a small vessel the search may be done in one turn
     assert np.median(ticks) < 0.05
