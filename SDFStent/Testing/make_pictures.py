@@ -57,6 +57,7 @@ class Studio:
         """Save a picture: these sections of the panel (all others closed) at the left, the 3D view at the right."""
         self._open(sections)
         self.host.process(0.05)
+        self.host.processUntil(lambda: not self.panel.ends.isBusy)
         root = self.panel.ui.inputsCollapsibleButton.parentWidget()
         top, bottom = (
             self._ends(section, root)[end] for section, end in ((sections[0], 0), (sections[-1], 1))
