@@ -21,6 +21,7 @@ from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.stent import BetweenPoints, Stent, stent_axis
 from SDFStentLib.vessel import find_ostia
+from SDFStentLib.vessel.ostia import PARENT
 
 AORTA = ("vmtk_aorta_surface_mm.vtp", "mm")
 FORMS = {
@@ -260,3 +261,24 @@ def test_in_a_model_of_flat_ends_what_leads_to_none_is_no_branch(start):
     # A centerline that ends elsewhere does not tell what vessels end in.
     tree = replace(tree, points=np.where(tree.points == 60, 45.0, tree.points))
     assert [len(one.outlets) for one in ostia_of(surface, way, tree)] == [0, 1]
+
+
+@pytest.mark.parametrize("start", [36.0, 36.75])
+def test_a_stent_that_begins_in_the_funnel_of_its_vessel_covers_nothing_of_that_above(
+    data_dir, start
+):
+    """In the left artery of this patient: on from there to the root is the vessel itself."""
+    surface = read_surface(data_dir / "su0243_surface_mm.vtp").surface
+    tree = read_centerline(data_dir / "su0243_centerline_mm.vtp")
+    line = Line(tree.points[tree.ancestry(tree.project((32.03, -68.35, -87.08)).index)])
+    found = ostia_of(surface, line.cut(start, start + 30), tree)
+    assert PARENT not in [ostium.name for ostium in found]
+
+
+def test_a_stent_from_one_branch_into_the_other_covers_the_vessel_from_which_both_come():
+    made = phantoms.branching_pulmonary_artery()
+    tree = made.centerline
+    across = Line(tree.path(*tree.points[tree.leaves[:2]]).points)
+    middle = across.length / 2
+    names = [one.name for one in ostia_of(made.surface, across.cut(middle - 8, middle + 8), tree)]
+    assert PARENT in names

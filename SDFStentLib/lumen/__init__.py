@@ -2,6 +2,7 @@
 
 from .caps import bulged_caps as bulged_caps
 from .caps import caps_across as caps_across
+from .caps import caps_of as caps_of
 from .caps import flat_caps as flat_caps
 from .caps import looks_across as looks_across
 from .caps import off_caps as off_caps

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import NamedFaces, Surface
-from ..lumen import RAYS, ExtendedAxis, Mask, Opening, Tube, expected_tube, openings
-from ..validation import Floats, Points, read_only
+from ..geometry import NamedFaces, Surface, norm
+from ..lumen import RAYS, ExtendedAxis, Mask, Opening, Tube, caps_of, expected_tube, openings
+from ..validation import Flags, Floats, Indices, Points, read_only
 
 LISTED = 10.0
 """Ostia so far beyond an end of the stent are found, mm."""
@@ -107,26 +107,70 @@ def find_ostia(
     faces : NamedFaces, optional
         Of the surface; those with names name the branches.
     centerline : Centerline, optional
-        What leads to its root is no branch, but the vessel from which this one comes. Where all of
-        its ends lie in flat caps, what leads to no cap is no vessel.
+        What leads to its root is no branch, but the vessel from which this one comes: this one
+        itself where the way beyond the stent goes there. Where all of its ends lie in flat caps,
+        what leads to no cap is no vessel.
     """
     tube = expected_tube(surface, axis.line)
     wall, places, ends = _faces_of_wall(tube, faces), tube.places, np.empty((0, 3))
+    inlet, end_above = ends, np.empty(0, dtype=np.int64)
     if centerline is not None:
         ends = centerline.points[[centerline.roots[0], *centerline.leaves]]
+        inlet = ends[:1]
+        if _comes_from_root(axis, centerline):
+            end_above = _nearest_cap(surface, inlet[0])
     found = []
     for opening in openings(surface, tube, ends):
-        ids = () if faces is None else {faces.most(own) for own in opening.caps} - wall
-        ostium = _ostium(tube, places, axis, opening, tuple(sorted(ids)))
+        ostium = _ostium(tube, places, axis, opening)
+        at_root = _are_at(inlet, ostium)
+        # A wall that opens like a funnel shows the vessel itself above, and its end.
+        at_root &= np.array([np.isin(own, end_above).any() for own in opening.caps], dtype=bool)
+        if at_root.any() and at_root.all():
+            continue
+        caps = [own for own, is_root in zip(opening.caps, at_root, strict=True) if not is_root]
+        ids = () if faces is None else {faces.most(own) for own in caps} - wall
+        outlets = ostium.outlets[~at_root]
+        ostium = replace(ostium, outlets=outlets, face_ids=tuple(sorted(ids)))
         if ostium.end > -LISTED and ostium.start < axis.stent_length + LISTED:
             found.append(ostium)
     found.sort(key=lambda ostium: (ostium.start, ostium.end))
     at_end = int(np.searchsorted(tube.wall.arc_length, axis.before + axis.stent_length))
     caliber = 2 * float(np.median(tube.expected[min(at_end, len(tube.expected) - 1)]))
     return tuple(
-        replace(ostium, name=_name(ostium, axis.stent_length, caliber, faces, ends[:1]))
+        replace(ostium, name=_name(ostium, axis.stent_length, caliber, faces, inlet))
         for ostium in found
     )
+
+
+def _comes_from_root(axis: ExtendedAxis, tree: Centerline) -> bool:
+    """Whether the way beyond the proximal end of a stent leads to the root.
+
+    One from a branch into another has the root aside.
+    """
+    ends = axis.points[0], axis.of_stent.points[0]
+    above, start = (tree.project(place).arc_length for place in ends)
+    return above < start
+
+
+def _nearest_cap(surface: Surface, place: Floats) -> Indices:
+    """The triangles of the flat cap whose middle is nearest to a place; none without a cap."""
+    caps = [cap.faces for cap in caps_of(surface)]
+    middles = [surface.points[surface.triangles[own]].mean(axis=(0, 1)) for own in caps]
+    away = norm(np.reshape(middles, (-1, 3)) - place)
+    return caps[int(away.argmin())] if caps else np.empty(0, dtype=np.int64)
+
+
+def _are_at(inlet: Points, ostium: Ostium) -> Flags:
+    """Which outlets (k,) of an ostium are the inlet (1, 3); none of it where that is not known."""
+    if not len(inlet):
+        return np.zeros(len(ostium.outlets), dtype=bool)
+    away = np.linalg.norm(ostium.outlets - inlet, axis=1)
+    return np.asarray(away < max(_diameter(ostium), _AT_INLET))
+
+
+def _diameter(ostium: Ostium) -> float:
+    """Of the circle as large, mm."""
+    return 2 * float(np.sqrt(ostium.area / np.pi))
 
 
 def _faces_of_wall(tube: Tube, faces: NamedFaces | None) -> set[int]:
@@ -137,9 +181,7 @@ def _faces_of_wall(tube: Tube, faces: NamedFaces | None) -> set[int]:
     return set(faces.ids[own].tolist())
 
 
-def _ostium(
-    tube: Tube, places: Floats, axis: ExtendedAxis, opening: Opening, face_ids: tuple[int, ...]
-) -> Ostium:
+def _ostium(tube: Tube, places: Floats, axis: ExtendedAxis, opening: Opening) -> Ostium:
     """An opening of a tube whose expected wall has these places (n, RAYS, 3)."""
     region = opening.region
     half = tube.wall.spacing / 2
@@ -158,9 +200,8 @@ def _ostium(
         float(high[rows[-1]]),
         total,
         min(covered, 1.0),  # rounding
-        face_ids,
-        opening.outlets,
-        places[region & ~_inner(region)],
+        outlets=opening.outlets,
+        outline=places[region & ~_inner(region)],
     )
 
 
@@ -175,11 +216,9 @@ def _name(
     ostium: Ostium, stent_length: float, caliber: float, faces: NamedFaces | None, inlet: Points
 ) -> str:
     """What an ostium is called; one wider than the stented vessel is that of no side branch."""
-    diameter = 2 * np.sqrt(ostium.area / np.pi)
-    if len(inlet) and len(ostium.outlets):
-        away = np.linalg.norm(ostium.outlets - inlet, axis=1)
-        if away.min() < max(diameter, _AT_INLET):
-            return PARENT
+    diameter = _diameter(ostium)
+    if _are_at(inlet, ostium).any():
+        return PARENT
     ids = set(ostium.face_ids)
     if faces is not None and ids and ids <= faces.names.keys():
         return faces.branch_name(ostium.face_ids)
