@@ -75,6 +75,13 @@ def given_names(
                 f"{marked[branch]!r}; leave one of them out."
             )
         marked[branch] = one.name
+    return _spread(marked, runs, centerline)
+
+
+def _spread(
+    marked: dict[int, str], runs: Sequence[VesselRun], centerline: Centerline
+) -> tuple[str | None, ...]:
+    """By branch the name that holds for it, of the branches that are marked."""
     found: list[str | None] = [None] * len(centerline.branches)
     chains = _chains(runs)
     left_at = {
