@@ -263,16 +263,35 @@ def test_in_a_model_of_flat_ends_what_leads_to_none_is_no_branch(start):
     assert [len(one.outlets) for one in ostia_of(surface, way, tree)] == [0, 1]
 
 
+@cache
+def left_artery(folder):
+    """The paper's patient: surface, centerline and the line from the root into the left artery."""
+    surface = read_surface(folder / "su0243_surface_mm.vtp").surface
+    tree = read_centerline(folder / "su0243_centerline_mm.vtp")
+    leaf = tree.project((32.03, -68.35, -87.08)).index
+    return surface, tree, Line(tree.points[tree.ancestry(leaf)])
+
+
 @pytest.mark.parametrize("start", [36.0, 36.75])
 def test_a_stent_that_begins_in_the_funnel_of_its_vessel_covers_nothing_of_that_above(
     data_dir, start
 ):
-    """In the left artery of this patient: on from there to the root is the vessel itself."""
-    surface = read_surface(data_dir / "su0243_surface_mm.vtp").surface
-    tree = read_centerline(data_dir / "su0243_centerline_mm.vtp")
-    line = Line(tree.points[tree.ancestry(tree.project((32.03, -68.35, -87.08)).index)])
+    """On from there to the root is the vessel itself."""
+    surface, tree, line = left_artery(data_dir)
     found = ostia_of(surface, line.cut(start, start + 30), tree)
     assert PARENT not in [ostium.name for ostium in found]
+
+
+@pytest.mark.parametrize("half", [6.5, 7.0])
+def test_rays_that_look_down_into_a_branch_from_a_funnel_above_make_its_ostium_no_larger(
+    data_dir, half
+):
+    """Covered between 44.8 and 51 mm; two rays of 1,400 made it three times as large."""
+    surface, tree, line = left_artery(data_dir)
+    found = ostia_of(surface, line.cut(50 - half, 50 + half), tree)
+    (branch,) = (one for one in found if np.linalg.norm(one.center - (9.09, -83.42, -53.58)) < 1.5)
+    assert branch.is_fully_covered
+    assert branch.area == pytest.approx(11.5, abs=2)
 
 
 def test_a_stent_from_one_branch_into_the_other_covers_the_vessel_from_which_both_come():

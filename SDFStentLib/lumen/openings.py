@@ -23,6 +23,10 @@ FAR = 2.0
 
 NO_ENDS: Points = np.empty((0, 3))
 
+_STRAY = 0.05
+"""Share of the rays that meet another vessel up to which they meet it by chance, through an opening
+that is not its own: a funnel far above may look down into it."""
+
 _ON_WALL = 0.9
 """Expected radii from the middle at which an opening lies in the wall; nearer it is within the
 lumen, seen from a part of the vessel that is bent round."""
@@ -165,9 +169,14 @@ def _regions(tube: Tube, part_of_triangle: Indices) -> dict[int, Mask]:
     hit = np.where(tube.wall.triangle >= 0, part_of_triangle[tube.wall.triangle], -1)
     label = labels_round(is_open)
     regions: dict[int, Mask] = {}
-    for number in np.unique(label[is_open & (hit >= 0)]):
+    known = is_open & (hit >= 0)
+    rays = np.bincount(hit[known], minlength=1)
+    for number in np.unique(label[known]):
         region = label == number
-        parts = np.unique(hit[region & (hit >= 0)])
+        own_rays = np.bincount(hit[region & known], minlength=len(rays))
+        parts = np.flatnonzero(own_rays > _STRAY * rays)
+        if not len(parts):
+            continue
         for part, own in zip(parts, _shared(region, hit, parts), strict=True):
             regions[int(part)] = regions.get(int(part), np.zeros_like(region)) | own
     return regions
