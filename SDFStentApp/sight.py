@@ -82,8 +82,10 @@ SPLIT = """window.split = to => {
   const most = Math.max(300, Math.min(900, window.innerWidth - 400)), width = Math.round(Math.min(Math.max(told, 300), most));
   page.style.setProperty('--panel', `${width}px`);
   split.setAttribute('aria-valuenow', width);
-};"""
-"""The width of the panel, or a step of it: both sides stay wide enough to be used."""
+  window.localStorage.setItem('panel', width);
+};
+if (window.localStorage.getItem('panel')) window.split(window.localStorage.getItem('panel'));"""
+"""The width of the panel, or a step of it: both sides stay wide enough to be used. A page that is loaded again keeps it."""
 
 UNFOLD = """window.unfold = name => {
   const part = document.querySelector(`[data-name=${name}]`);

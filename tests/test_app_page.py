@@ -673,9 +673,12 @@ def test_a_segment_and_a_mesh_of_ones_own_are_kept_by_the_browser(a_visit, the_f
 
 def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
     a_visit.add_stent()
+    a_visit.named("split").press("ArrowRight")
+    width = a_visit.named("split").get_attribute("aria-valuenow")
     a_visit.page.reload()
     a_visit.named("stentTable").locator("tbody tr").first.wait_for()
     a_visit.until("stentTable", "Stent 1")
+    playwright.expect(a_visit.named("split")).to_have_attribute("aria-valuenow", width)
 
 
 def test_a_page_that_has_failed_says_so_and_goes_on_by_itself(a_browser, the_folder, tmp_path):
