@@ -53,6 +53,8 @@ def test_nothing_moves_under_the_mouse_when_the_search_for_lesions_ends(host, aP
 
 
 def test_what_lies_below_the_tiles_stays_while_the_hand_moves(host, aStent):
+    from PySide6 import QtCore
+
     ui, seen = aStent.ui, set()
     aStent.parent.resize(520, 1300)
     ui.autoUpdateCheckBox.checked = True
@@ -61,7 +63,7 @@ def test_what_lies_below_the_tiles_stays_while_the_hand_moves(host, aStent):
 
     def noted(text, instead=""):
         show(text, instead)
-        host.process()
+        QtCore.QCoreApplication.sendPostedEvents()  # without timers: a run is in the midst of its turn
         if ui.tilesLabel.visible:
             seen.add((text.endswith("preview"), ui.tilesLabel.height))
 
