@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 from SDFStentLib.validation import InputError
 
@@ -44,3 +45,12 @@ def assert_refused_by_name(read, path, words):
         read(path)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def read_vtk(path):
+    """As the solvers read it: by VTK's own reader."""
+    volume = path.suffix == ".vtu"
+    reader = vtkXMLUnstructuredGridReader() if volume else vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    return reader.GetOutput()

@@ -9,14 +9,11 @@ import json
 import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy
+from tube_files import write_vessel
 
 from SDFStentLib import phantoms
 from SDFStentLib.cli import main
 from SDFStentLib.files import (
-    add_arrays,
-    encode_vtp,
-    polydata_from_arrays,
-    polydata_from_lines,
     read_surface,
 )
 from SDFStentLib.files.formats.mdl_faces import LARGEST, mdl_face_names
@@ -55,14 +52,7 @@ def artery():
 
 @pytest.fixture
 def a_patient(tmp_path, artery):
-    """Surface with ids of faces, without names, and its centerline, in cm."""
-    polydata = polydata_from_arrays(artery.points / 10, artery.triangles)
-    add_arrays(polydata, {}, {"ModelFaceID": artery.face_ids.astype(np.int32)})
-    (tmp_path / "pa.vtp").write_bytes(encode_vtp(polydata))
-    tree = artery.centerline
-    lines = [tree.ancestry(leaf) for leaf in tree.leaves]
-    line = polydata_from_lines(tree.points / 10, lines)
-    (tmp_path / "line.vtp").write_bytes(encode_vtp(line))
+    write_vessel(tmp_path, artery)
     return tmp_path
 
 

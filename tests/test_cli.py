@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from child_processes import COMMAND, PATIENCE, PROJECT, begun, ended
 from polydata_cases import read_by_vtk
-from tube_files import PLACE, deploy, write_tube
+from tube_files import PLACE, deploy, write_tube, write_vessel
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 import SDFStentLib.cli.demo
@@ -165,18 +165,12 @@ def test_quiet_says_nothing_and_warnings_go_to_stderr(a_folder, capsys):
 def a_bent_fork(tmp_path, monkeypatch):
     """A forked vessel, its centerline and a bent axis, mm."""
     vessel = branching_pulmonary_artery()
-    tree = vessel.centerline
-    lines = [tree.ancestry(int(leaf)) for leaf in tree.leaves]
+    write_vessel(tmp_path, vessel, "fork.vtp", "lines.vtp", per_mm=1)
     corner = polydata_from_lines(
         [vessel.axis_at(20)[0] + shift for shift in ([0, 0, -4], [0, 0, 0], [0, 4, 1])],
         [np.arange(3)],
     )
-    for name, data in (
-        ("fork", polydata_from_arrays(vessel.points, vessel.triangles)),
-        ("lines", polydata_from_lines(tree.points, lines)),
-        ("corner", corner),
-    ):
-        (tmp_path / f"{name}.vtp").write_bytes(encode_vtp(data))
+    (tmp_path / "corner.vtp").write_bytes(encode_vtp(corner))
     monkeypatch.chdir(tmp_path)
     return [f"{value:.4f}" for value in vessel.axis_at(19)[0]]
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from child_processes import PROJECT
 from deployment_cases import ANATOMIES
+from mesh_files import read_vtk
 from tube_files import deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray
 from vtkmodules.vtkCommonDataModel import VTK_TETRA
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 from SDFStentLib.cli import main
 from SDFStentLib.files import (
@@ -35,15 +35,6 @@ def extract(*more, ends=ENDS, surface="tube.vtp", line="line.vtp", out="seg"):
     return main(
         ["extract", surface, "--units", "cm", "--centerline", line, *ends, "-o", out, *more]
     )
-
-
-def read_vtk(path):
-    """As the solvers read it: by VTK's own reader."""
-    volume = path.suffix == ".vtu"
-    reader = vtkXMLUnstructuredGridReader() if volume else vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    return reader.GetOutput()
 
 
 def ids(data, name):

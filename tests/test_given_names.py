@@ -6,10 +6,10 @@ import json
 
 import numpy as np
 import pytest
+from tube_files import write_vessel
 
 from SDFStentLib import phantoms
 from SDFStentLib.cli import main
-from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays, polydata_from_lines
 from SDFStentLib.plan import load_plan, save_plan
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import VesselName, branch_names, find_lesions, given_names
@@ -30,13 +30,7 @@ def a_tree():
 
 @pytest.fixture
 def a_patient(tmp_path, artery, monkeypatch):
-    """Surface with ids of faces, without names, and its centerline, in cm."""
-    polydata = polydata_from_arrays(artery.points / 10, artery.triangles)
-    add_arrays(polydata, {}, {"ModelFaceID": artery.face_ids.astype(np.int32)})
-    (tmp_path / "pa.vtp").write_bytes(encode_vtp(polydata))
-    tree = artery.centerline
-    lines = [tree.ancestry(leaf) for leaf in tree.leaves]
-    (tmp_path / "line.vtp").write_bytes(encode_vtp(polydata_from_lines(tree.points / 10, lines)))
+    write_vessel(tmp_path, artery)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -12,12 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy, phantom
+from tube_files import write_vessel
 
 from SDFStentLib.cli import main
 from SDFStentLib.files import (
-    add_arrays,
     encode_vtp,
-    polydata_from_arrays,
     polydata_from_lines,
     read_surface,
 )
@@ -34,12 +33,7 @@ LENGTHS = (8.0, 12.0, 20.0, 30.0, 40.0)
 
 def written(folder, name, vessel):
     """A vessel and its centerline in files, cm; the options that name them."""
-    surface = polydata_from_arrays(vessel.points / 10, vessel.triangles)
-    tree = vessel.centerline
-    line = polydata_from_lines(tree.points / 10, [tree.ancestry(int(leaf)) for leaf in tree.leaves])
-    add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
-    for part, data in (("", surface), ("_line", line)):
-        (folder / f"{name}{part}.vtp").write_bytes(encode_vtp(data))
+    write_vessel(folder, vessel, f"{name}.vtp", f"{name}_line.vtp", radii=True)
     return [str(folder / f"{name}.vtp"), "--centerline", str(folder / f"{name}_line.vtp"),
             "--units", "cm"]  # fmt: skip
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tube_files import write_vessel
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import (
@@ -96,12 +97,9 @@ def a_patient(tmp_path_factory):
     """A folder with the branching phantom as files."""
     folder = tmp_path_factory.mktemp("patient")
     vessel = branching_pulmonary_artery(edge_length=1.1)
-    tree = vessel.centerline
-    surface = polydata_from_arrays(vessel.points, vessel.triangles)
-    lines = polydata_from_lines(tree.points, [tree.ancestry(i) for i in tree.leaves])
+    write_vessel(folder, vessel, "surface.vtp", "centerline.vtp", per_mm=1)
     axis = polydata_from_lines(vessel.axis_at(np.arange(20.0, 41.0)), [np.arange(21)])
-    for name, data in (("surface", surface), ("centerline", lines), ("axis", axis)):
-        (folder / f"{name}.vtp").write_bytes(encode_vtp(data))
+    (folder / "axis.vtp").write_bytes(encode_vtp(axis))
     return folder, vessel
 
 

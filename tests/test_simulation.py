@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mesh_files import read_vtk
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 from SDFStentLib.certificate import check_surface, smallest_angles
 from SDFStentLib.cli import flow as commands
@@ -234,14 +234,6 @@ def test_side_branches_are_cut_off_and_become_outlets():
     side, other = (face for face in cut.faces if face.kind == "outlet")
     assert abs(float(side.normal @ other.normal)) < 0.999
     assert cut.surface.topology.is_watertight
-
-
-def read_vtk(path):
-    """As the solver reads it: by VTK's own reader."""
-    reader = vtkXMLUnstructuredGridReader() if path.suffix == ".vtu" else vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    return reader.GetOutput()
 
 
 def test_a_folder_has_all_that_the_solver_asks_for(folder):

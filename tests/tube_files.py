@@ -1,4 +1,4 @@
-"""A stenosed tube as files in cm, and the command line on them."""
+"""Phantoms as files, most of all a stenosed tube in cm, and the command line on these."""
 
 from __future__ import annotations
 
@@ -31,6 +31,18 @@ def write_tube(folder):
     axis = polydata_from_lines([[0, 0, 1.2], [0, 0, 2.8]], [np.arange(2)])
     for name, data in (("tube", surface), ("line", line), ("axis", axis)):
         (folder / f"{name}.vtp").write_bytes(encode_vtp(data))
+
+
+def write_vessel(folder, vessel, surface="pa.vtp", line="line.vtp", *, per_mm=0.1, radii=False):
+    """A phantom, its wall with ids of faces but without names, and its centerline; in cm."""
+    wall = polydata_from_arrays(per_mm * vessel.points, vessel.triangles)
+    add_arrays(wall, {}, {"ModelFaceID": vessel.face_ids.astype(np.int32)})
+    tree = vessel.centerline
+    lines = polydata_from_lines(per_mm * tree.points, [tree.ancestry(leaf) for leaf in tree.leaves])
+    if radii:
+        add_arrays(lines, {"MaximumInscribedSphereRadius": per_mm * tree.inscribed_radius}, {})
+    for name, data in ((surface, wall), (line, lines)):
+        (folder / name).write_bytes(encode_vtp(data))
 
 
 def plan_of(*stents, **more):
