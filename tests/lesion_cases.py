@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.geometry import Surface
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.phantoms import TrueVessel
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.phantoms.mesh import swept_tube
 from SDFStentLib.phantoms.value import assembled
+from SDFStentLib.vessel.runs import VesselRun
 
 
 class Known(NamedTuple):
@@ -135,3 +136,14 @@ def bifurcation_case(seed: int, where: str | None, fineness: float = 0.3) -> Cas
         degree = 1 - union.inscribed_radii(main.point(at), wall) / healthy(at)
         known.append(Known(main.point(at[degree.argmax()])[0], 100 * degree.max(), 2 * reach))
     return Case(Surface(patch.points, patch.triangles), made.centerline, known)
+
+
+SPACING = 0.5
+"""Of the stations along a vessel, mm."""
+
+
+def vessel_along(diameter, parent=-1, along=None, *, start=0.0) -> VesselRun:
+    """A vessel along z, so wide at its stations."""
+    along = start + SPACING * np.arange(len(diameter)) if along is None else np.array(along)
+    columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
+    return VesselRun(Line(columns[0]), *columns[1:], along, (), (), parent, parent + 1, 5.0, 1)

@@ -8,14 +8,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy, phantom
-from lesion_cases import bifurcation_case, tapering, tube_case
+from lesion_cases import bifurcation_case, tapering, tube_case, vessel_along
 from seeds import seeds
 from trees import unbranched, with_radius
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.geometry import Line, Surface
+from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import InscribedSpheres, closed_surface, flat_caps, inscribed_spheres
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.mesh import swept_tube
@@ -24,7 +24,7 @@ from SDFStentLib.vessel import find_lesions, lesion_after, lesion_against, lesio
 from SDFStentLib.vessel.branch_lumen import are_in_lumen
 from SDFStentLib.vessel.lesions import _found, _once
 from SDFStentLib.vessel.narrowings import narrowings
-from SDFStentLib.vessel.runs import SideBranch, VesselRun
+from SDFStentLib.vessel.runs import SideBranch
 
 NEAR = 2.0
 """Percentage points within which a degree is right: a reference beside a junction is a little
@@ -277,19 +277,11 @@ def test_a_short_vessel_without_any_plateau_has_no_reference_and_no_lesion():
     along = np.linspace(10, 14, 17)
     diameter = 1.5 + 1.25 * np.abs(along - 12)
     branch = SideBranch(14.0, 3.0, 1)
-    columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(17, dtype=np.int64))
-    run = VesselRun(Line(columns[0]), *columns[1:], along, (), (branch, branch), 0, 1, 4.0, 2)
+    run = vessel_along(diameter, 0, along)._replace(
+        division=(branch, branch), caliber=4.0, outlets=2
+    )
     assert len(narrowings(run)) == 1
     assert _found([run], [0]) == []
-
-
-def straight_run(diameter, start=0.0, parent=-1, side_branches=()):
-    """A vessel along z with stations 0.5 mm apart."""
-    along = start + 0.5 * np.arange(len(diameter))
-    columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
-    return VesselRun(
-        Line(columns[0]), *columns[1:], along, side_branches, (), parent, parent + 1, 5.0, 1
-    )
 
 
 @pytest.mark.parametrize(("ostium", "count"), [(2.2, 1), (1.4, 2)])
@@ -297,9 +289,9 @@ def test_the_ostium_of_a_branch_within_its_parent_s_narrowing_is_the_same_lesion
     """The branch was told as a second one: it begins as narrow as the wall that it leaves."""
     along = np.arange(0, 60.1, 0.5)
     bump = np.clip(1 - np.abs(along - 30) / 6, 0, 1)
-    parent = straight_run(5 - 3 * bump, side_branches=(SideBranch(29.0, 5.0, 1),))
+    parent = vessel_along(5 - 3 * bump)._replace(side_branches=(SideBranch(29.0, 5.0, 1),))
     beyond = np.arange(0, 25.1, 0.5)
-    child = straight_run(5 - (5 - ostium) * np.clip(1 - beyond / 4, 0, 1), 29.0, 0)
+    child = vessel_along(5 - (5 - ostium) * np.clip(1 - beyond / 4, 0, 1), 0, start=29.0)
     found = _found([parent, child], [0, 1])
     assert len(narrowings(child)) == 1
     assert [one.vessel for one in found] == [0, 1][:count]
@@ -311,8 +303,8 @@ def test_a_narrowing_across_a_division_is_told_with_the_narrower_of_its_parts(th
     along = np.arange(0, 60.1, 0.5)
     whole = 5 - 3 * np.clip(1 - np.abs(along - throat) / 6, 0, 1)
     division = (SideBranch(30.0, 5.0, 1), SideBranch(30.0, 2.5, 2))
-    parent = straight_run(whole[:61])._replace(division=division)
-    (one,) = _found([parent, straight_run(whole[60:], 30.0, 0)], [0, 1])
+    parent = vessel_along(whole[:61])._replace(division=division)
+    (one,) = _found([parent, vessel_along(whole[60:], 0, start=30.0)], [0, 1])
     assert (one.vessel, one.narrowest) == (vessel, 2.0)
 
 
@@ -327,18 +319,11 @@ def test_a_long_throat_that_two_lines_run_through_is_told_once():
     assert len(_once([lesion, replace(other, point=(9.0, 0.0, 30.0))])) == 2
 
 
-def ostial_vessel(along, diameter):
-    """A vessel that begins at an ostium, with stations (n,) where it is so wide (n,)."""
-    along, diameter = np.array(along), np.array(diameter)
-    columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
-    return VesselRun(Line(columns[0]), *columns[1:], along, (), (), 0, 1, 5.0, 1)
-
-
 def test_where_stations_are_unevenly_apart_a_slope_is_no_healthy_vessel():
     """The lower of the middle two of four stations said that a slope from 3.7 to 5.3 is flat."""
     along = [*np.arange(0, 6.2, 0.56), 7.1, 7.6, 9.1, 10.3, 11.4, *np.arange(13.0, 30.1, 1.0)]
     healthy = np.interp(along, [0.0, 1.5, 12.0, 30.0], [1.4, 1.4, 5.2, 5.2])
-    (found,) = narrowings(ostial_vessel(along, healthy))
+    (found,) = narrowings(vessel_along(healthy, 0, along))
     assert found.reference.distal.diameter == pytest.approx(5.2, rel=0.05)
 
 
@@ -347,6 +332,6 @@ def test_healthy_vessel_as_long_as_wide_before_a_narrowing_is_its_reference():
     along = np.arange(0.0, 40.1, 1.03)
     ends = [0.0, 4.4, 8.0, 9.0, 13.0, 40.0]
     healthy = np.interp(along, ends, [4.2, 4.2, 1.8, 1.8, 5.4, 5.4])
-    (found,) = narrowings(ostial_vessel(along, healthy))
+    (found,) = narrowings(vessel_along(healthy, 0, along))
     assert found.reference.proximal.diameter == pytest.approx(4.2, rel=0.03)
     assert found.reference.distal.diameter == pytest.approx(5.4, rel=0.03)

@@ -5,23 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from deployment_cases import phantom
+from lesion_cases import SPACING, vessel_along
 
 from SDFStentLib.centerline import Stretch
-from SDFStentLib.geometry import Line
 from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.plateaus import Plateau, Reference
-from SDFStentLib.vessel.runs import SideBranch, VesselRun, _ostium
-
-SPACING = 0.5
-
-
-def vessel_along(diameter, parent=-1) -> VesselRun:
-    """A vessel along z."""
-    along = SPACING * np.arange(len(diameter))
-    columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
-    return VesselRun(Line(columns[0]), *columns[1:], along, (), (), parent, parent + 1, 5.0, 1)
+from SDFStentLib.vessel.runs import SideBranch, _ostium
 
 
 def through(*places):
