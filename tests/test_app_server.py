@@ -70,6 +70,19 @@ def the_page(the_server):
     return the_server.pages()[0], answer
 
 
+@pytest.fixture(scope="module")
+def another_page(the_server, the_page):
+    """The process that waited for the next page, that of the page, and where a browser is sent."""
+    spare, known, deadline = [], the_server.pages(), time.monotonic() + PATIENCE
+    while not spare and time.monotonic() < deadline:
+        children = psutil.Process(the_server.process.pid).children()
+        spare = [child for child in children if child not in known]
+    way = way_from(the_server)
+    assert get(the_server.address + way)[0] == 200
+    (page,) = (one for one in the_server.pages() if one not in known)
+    return spare[0], page, way
+
+
 def test_only_who_knows_the_token_is_answered(the_server, the_page):
     page, (status, text, address) = the_page
     assert re.findall(r'(?:src|href)="(?:/|\w+:)', text) == []
@@ -142,9 +155,11 @@ def chunk(content, length=None):
     return struct.pack("<III", 7, 0, len(content) if length is None else length) + content
 
 
-def test_nobody_makes_a_page_take_memory_and_two_windows_do_not_share_a_picture(the_page):
-    page, (_, _, address) = the_page
-    address = address.replace("http", "ws", 1).replace("index.html", "ws")
+def test_nobody_makes_a_page_take_memory_and_two_windows_do_not_share_a_picture(
+    the_server, another_page
+):
+    _, page, way = another_page
+    address = the_server.address.replace("http", "ws", 1) + way.replace("index.html", "ws")
     before = page.memory_info().rss
     closed = (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSE, False)
     for frame in (chunk(b"x", 1_500_000_000), b"", b"abc", chunk(b"more than it says", 3)):
@@ -160,15 +175,10 @@ def test_messages_are_bounded_together():
     assert all(chunks.are_bounded(chunk(b"x" * 50)) for _message in range(100))
 
 
-def test_another_process_is_ready_for_the_next_page(the_server, the_page):
-    spare, deadline = [], time.monotonic() + PATIENCE
-    while len(spare) < 1 and time.monotonic() < deadline:
-        children = psutil.Process(the_server.process.pid).children()
-        spare = [child for child in children if child not in the_server.pages()]
-    way = way_from(the_server)
-    assert re.fullmatch(r"[\w-]+/index.html", way)  # relative, behind any proxy
-    assert get(the_server.address + way)[0] == 200
-    assert spare[0] in the_server.pages()
+def test_another_process_is_ready_for_the_next_page(another_page):
+    spare, page, address = another_page
+    assert page == spare
+    assert re.fullmatch(r"[\w-]+/index.html", address)  # relative, behind any proxy
 
 
 def test_a_page_that_has_failed_is_loaded_again_at_once_and_ctrl_c_leaves_nothing(a_server):
