@@ -17,6 +17,7 @@ import pytest
 from SDFStentLib import phantoms
 from SDFStentLib.phantoms import phantoms as makers
 from SDFStentLib.report.picture import painting
+from SDFStentLib.treatment import vessel
 
 Done = subprocess.CompletedProcess
 USUAL = (sys.executable, "-c", painting.PROGRAM)
@@ -46,6 +47,27 @@ def made_once(make: Callable[..., phantoms.Phantom]) -> Callable[..., phantoms.P
         return known[key]
 
     return once
+
+
+@pytest.fixture(scope="session", autouse=True)
+def known_lesions() -> Iterator[dict[bytes, tuple]]:
+    """Lesions of each vessel are looked for once: that takes as long as a deployment.
+
+    A test that needs the search clears what is known.
+    """
+    search, known = vessel.find_lesions, {}
+
+    def found(surface, centerline, faces=None, given=()):
+        tree = centerline.points, centerline.parent, centerline.inscribed_radius
+        walls = surface.points, surface.triangles
+        key = sha256(pickle.dumps((walls, tree, faces, given))).digest()
+        if key not in known:
+            known[key] = search(surface, centerline, faces, given)
+        return tuple(list(known[key]))  # another one for every search, as without this
+
+    vessel.find_lesions = found
+    yield known
+    vessel.find_lesions = search
 
 
 class Painter:

@@ -27,27 +27,6 @@ def host():
 
 
 @pytest.fixture(scope="session", autouse=True)
-def knownLesions(theModule):
-    """Look for the lesions of each vessel once: that takes as long as a deployment. A test that needs the search clears it."""
-    from SDFStentLib.treatment import vessel
-
-    search, known = vessel.find_lesions, {}
-
-    def found(surface, centerline, faces=None, given=()):
-        arrays = (surface.points, surface.triangles, centerline.points, centerline.inscribed_radius)
-        key = (
-            *(sha1(array.tobytes()).digest() for array in arrays),
-            repr((faces and sorted(faces.names.items()), given)),
-        )
-        if key not in known:
-            known[key] = search(surface, centerline, faces, given)
-        return tuple(list(known[key]))  # another one for every search, as without this
-
-    vessel.find_lesions = found
-    return known
-
-
-@pytest.fixture(scope="session", autouse=True)
 def knownResults(theModule):
     """Measure each treatment of the panel once: that takes longer than to deploy. A test that needs it to take time clears it.
 

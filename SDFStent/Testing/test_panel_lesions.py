@@ -155,10 +155,10 @@ def test_the_line_of_a_lesion_makes_way_for_its_stent(host, theInputs, aScene):
     assert marks(aScene)[1] is not None
 
 
-def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, knownLesions):
+def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, known_lesions):
     from SDFStentSlicer import Clock, Portions
 
-    knownLesions.clear()
+    known_lesions.clear()
     ticks = []
     tick = Portions.SteppedRun._tick
 
