@@ -294,6 +294,16 @@ def test_rays_that_look_down_into_a_branch_from_a_funnel_above_make_its_ostium_n
     assert branch.area == pytest.approx(11.5, abs=2)
 
 
+def test_an_ostium_ends_where_it_ends_though_the_end_of_the_tube_looks_into_the_branch(data_dir):
+    """The branch of 3.3 mm below the stent was told with one 16 mm beyond it, 60 % covered."""
+    surface, tree, _ = left_artery(data_dir)
+    line = Line(tree.points[tree.ancestry(5818)])
+    found = ostia_of(surface, line.cut(44.4, 54.8), tree)
+    (covered,) = (one for one in found if not one.is_free)
+    assert covered.is_fully_covered
+    assert covered.end - covered.start < 6
+
+
 def test_a_stent_from_one_branch_into_the_other_covers_the_vessel_from_which_both_come():
     made = phantoms.branching_pulmonary_artery()
     tree = made.centerline

@@ -24,8 +24,9 @@ FAR = 2.0
 NO_ENDS: Points = np.empty((0, 3))
 
 _STRAY = 0.05
-"""Share of the rays that meet another vessel up to which they meet it by chance, through an opening
-that is not its own: a funnel far above may look down into it."""
+"""Share of all rays to another vessel, and of all through an opening, up to which the fewer than
+half that meet that vessel through this opening do so by chance: a funnel far above looks down into
+it, and the end of a tube aside."""
 
 _ON_WALL = 0.9
 """Expected radii from the middle at which an opening lies in the wall; nearer it is within the
@@ -174,7 +175,9 @@ def _regions(tube: Tube, part_of_triangle: Indices) -> dict[int, Mask]:
     for number in np.unique(label[known]):
         region = label == number
         own_rays = np.bincount(hit[region & known], minlength=len(rays))
-        parts = np.flatnonzero(own_rays > _STRAY * rays)
+        is_main = own_rays > rays / 2
+        no_stray = own_rays > _STRAY * np.maximum(rays, own_rays.sum())
+        parts = np.flatnonzero(is_main | no_stray)
         if not len(parts):
             continue
         for part, own in zip(parts, _shared(region, hit, parts), strict=True):
