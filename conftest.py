@@ -131,13 +131,13 @@ LOOKED_AT = ("test_cli", "test_compare", "test_panel_plans", "test_picture")
 """Files that look at pictures."""
 
 LONGEST = (
-    "test_app_page", "test_documented_commands", "test_extract_command",
-    "test_sweep_faults", "test_sweep_clusters", "test_vessel_followed", "test_scenes",
-    "test_segments", "test_cli", "test_app_server", "test_cli_words", "test_long_inputs",
-    "test_panel_plans", "test_fast_measuring", "test_panel_looks", "test_panel",
-    "test_panel_device", "test_panel_placing", "test_ostia", "test_outside_judges",
-    "test_lesion_commands", "test_vtk_readers", "test_identities", "test_panel_shown",
-    "test_tree_around", "test_recipes", "test_compare", "test_memory", "test_plan_exchange",
+    "test_app_page", "test_sweep_faults", "test_documented_commands", "test_sweep_clusters",
+    "test_cli", "test_long_inputs", "test_panel_history", "test_extract_command",
+    "test_panel_looks", "test_simulation", "test_output_set", "test_panel_plans", "test_release",
+    "test_scenes", "test_compare", "test_cohort_documents", "test_panel", "test_segments",
+    "test_app_server", "test_panel_device", "test_lesions", "test_panel_placing",
+    "test_flow_network", "test_cohorts", "test_previews", "test_fast_measuring",
+    "test_panel_shown", "test_panel_dragging", "test_lesion_commands",
 )  # fmt: skip
 """Files that take longest go first, so that at the end no process waits for another."""
 
