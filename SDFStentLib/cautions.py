@@ -45,6 +45,11 @@ TEMPLATES = {
     "face-names-not-read": "names of faces are not read: {reason}",
     "arrays-not-kept": "{format} cannot keep the arrays {arrays}; write .vtp to keep them.",
     "line-arrays-not-kept": "arrays are not kept in .mrk.json; write .vtp.",
+    "ends-without-line": (
+        "To {without} of the {ends} ends of the surface no line of the centerline leads: lesions "
+        "there are not known, and beside others the healthy vessel may be a parent, or missing; "
+        "give a centerline from the inlet to all ends."
+    ),
     # Segments
     "end-moved": (
         "The {end} of the segment was moved {distance_mm:.1f} mm into it, to ({x:.4g}, {y:.4g}, "

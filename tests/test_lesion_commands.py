@@ -340,3 +340,21 @@ def test_lesions_in_small_vessels_are_counted_in_one_line_and_listed_on_request(
     assert document["lesions"] == []
     (small,) = document["lesions_of_small_vessels"]
     assert small["number"] == 1
+
+
+def test_ends_to_which_no_line_leads_are_told(folder, capsys):
+    """Else the main artery is the healthy vessel of the left one, and nothing is said of it."""
+    made = branching_pulmonary_artery()
+    options, tree = written(folder, "lines", made), made.centerline
+    assert main(["measure", *options]) == 0
+    assert "no line" not in capsys.readouterr().err
+    path = tree.points[tree.ancestry(int(tree.leaves[0]))]
+    one = polydata_from_lines(path / 10, [np.arange(len(path))])
+    (folder / "one_line.vtp").write_bytes(encode_vtp(one))
+    options[2] = str(folder / "one_line.vtp")
+    assert main(["measure", *options]) == 0
+    assert "To 1 of the 3 ends of the surface no line" in capsys.readouterr().err
+    assert main(["suggest", *options, "-o", str(folder / "one_line.json")]) == 0
+    assert "To 1 of the 3 ends" in capsys.readouterr().err
+    assert main(["measure", *options, "--json"]) == 0
+    assert "To 1 of the 3 ends" in json.loads(capsys.readouterr().out)["warnings"][0]

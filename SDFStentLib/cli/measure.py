@@ -123,6 +123,7 @@ def _lines(
     """What is asked for, measured, and warnings."""
     vessel, warnings = inputs.vessel, list(inputs.warnings)
     if way is None:
+        warnings += vessel.lesion_cautions
         if not options.tables:
             return [], warnings
         names = [name[:1].upper() + name[1:] for name in vessel.branch_names]

@@ -39,7 +39,7 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
         listed = [suggestion_section(one, devices) for one in suggestions]
         print(document_json({"suggestions": listed}), end="")
         return 0
-    console.warn(inputs.warnings)
+    console.warn([*inputs.warnings, *inputs.vessel.lesion_cautions])
     for one in suggestions:
         for sentence in suggestion_sentences(one, devices):
             console.say(sentence)

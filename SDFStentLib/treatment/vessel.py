@@ -7,6 +7,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
+from ..cautions import Caution
 from ..centerline import Centerline
 from ..certificate import SurfaceCheck, check_surface
 from ..flow import Channel, FollowedChannels, channels_of
@@ -19,10 +20,12 @@ from ..vessel import (
     LineSeeds,
     VesselName,
     branch_names,
+    ends_without_line,
     find_lesions,
     given_names,
     lesions_against,
     line_seeds,
+    vessel_ends,
 )
 from .placing import healthy_vessel, placement_at
 from .sizing import SizingWishes, Suggestion, suggested
@@ -96,6 +99,16 @@ class Vessel:
         if not self.reference:
             return found
         return lesions_against(found, self.reference, self.surface, self.centerline)
+
+    @cached_property
+    def lesion_cautions(self) -> tuple[Caution, ...]:
+        """What to know before one relies on its lesions: ends to which no line leads."""
+        if self.centerline is None:
+            return ()
+        tree, ends = self.centerline, vessel_ends(self.surface)
+        without = ends_without_line(ends, tree.points[[*tree.roots, *tree.leaves]])
+        numbers = {"ends": len(ends), "without": without}
+        return (Caution("ends-without-line", numbers),) if without else ()
 
     @cached_property
     def channels(self) -> tuple[Channel, ...]:

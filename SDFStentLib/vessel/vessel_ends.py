@@ -15,6 +15,9 @@ BESIDE = 10.0
 """A place that names an end is so near to it or to the wall, mm: a click beside it, no other
 unit."""
 
+BESIDE_TIP = 2.0
+"""A line leads to an end within so many of its radii; one that begins well inside does not."""
+
 
 class VesselEnd(NamedTuple):
     """An end of a vessel, open or closed by a flat cap."""
@@ -58,13 +61,20 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     used, corners = np.unique(rims, return_inverse=True)
     corners = corners.reshape(-1, 2)
     loop = component_labels(len(used), corners[:, 0], corners[:, 1])[corners[:, 0]]
+    loop_of = np.full(len(surface.points), -1)
+    loop_of[rims[:, 0]] = loop
+    capped = np.flatnonzero(cap_of >= 0)
     found = []
     for number in np.unique(loop):
-        rim = rims[loop == number]
-        is_at_rim = np.isin(triangles, rim).any(axis=1)
-        caps = np.setdiff1d(cap_of[is_at_rim], -1)
-        found.append(_end(surface.points, rim, np.flatnonzero(np.isin(cap_of, caps))))
+        is_at_rim = (loop_of[triangles[capped]] == number).any(axis=1)
+        faces = capped[np.isin(cap_of[capped], cap_of[capped[is_at_rim]])]
+        found.append(_end(surface.points, rims[loop == number], faces))
     return sorted(found, key=lambda end: -end.radius)
+
+
+def ends_without_line(ends: Sequence[VesselEnd], tips: Points) -> int:
+    """Beside how many ends of a vessel no end (k, 3) of its centerline lies, mm."""
+    return sum(bool(norm(tips - end.center).min() > BESIDE_TIP * end.radius) for end in ends)
 
 
 def line_seeds(
