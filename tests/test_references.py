@@ -84,6 +84,16 @@ def test_healthy_vessel_too_short_for_a_plateau_divides_two_throats():
     assert [round(one.narrowest) for one in found] == [33, 71, 90]
 
 
+@pytest.mark.parametrize(("short", "reference"), [(11.5, 10.7), (14.0, 9.8)])
+def test_healthy_vessel_too_short_for_a_plateau_is_one_side_of_the_reference(short, reference):
+    """44 % was told as 39, against the vessel distal of it alone; an ostium's flare is no side."""
+    proximal = ((0, 8), (10, 8), (20, 6), (28, 6), (35, short), (41, short))
+    along = through(*proximal, (46, 6), (52, 10), (64, 9.6), (70, 9.6))
+    found = narrowings(vessel_along(along, parent=0))
+    told = next(one for one in found if 42 < one.narrowest < 51)
+    assert told.reference.at(np.array([told.narrowest]))[0] == pytest.approx(reference, abs=0.2)
+
+
 @pytest.mark.parametrize(("throat", "is_known"), [(1.1, True), (np.nan, False)])
 def test_no_area_is_told_without_a_section_at_the_throat(throat, is_known):
     """The smallest of the sections beside it was told: 49 % by diameter, 39 % by area."""

@@ -50,6 +50,13 @@ the vessel is wider again. Where it is not, the vessel tapers or divides."""
 SHORT = 0.5
 """Diameters over which healthy vessel that is too short for a plateau keeps its width;"""
 
+DIVIDED = 2 ** (1 / MURRAY_EXPONENT)
+"""Times the healthy vessel on the other side of a narrowing up to which it is healthy: a vessel that
+divides into two alike is so much wider than these. What is wider is the flare of an ostium."""
+
+TAKES_PLACE = 1.2
+"""It counts in place of a plateau from so many times the width of that on."""
+
 SHORT_RECOVERY = 0.25
 """a narrowing beside it is at least so much narrower than that, and than its reference."""
 
@@ -135,6 +142,12 @@ def _sides(
     most = np.maximum(run.origin, np.maximum.accumulate(diameter))
     before = _nearest(along, diameter, plateaus, 1, most)
     after = _nearest(along, diameter, plateaus, -1, most)
+    short = plateaus_of(run, SHORT)
+    # One that an in- or outlet cuts off is shorter still.
+    is_whole = (short.start > along[0]) & (short.end < along[-1])
+    short = Plateaus(*(column[is_whole] for column in short))
+    before = _or_short(before, after, _nearest(along, diameter, short, 1, most))
+    after = _or_short(after, before, _nearest(along, diameter, short, -1, most))
     own = before, after
     if run.parent >= 0:
         wanted = np.minimum(_widest_seen(diameter, own[1].diameter), most)
@@ -186,6 +199,14 @@ def _nearest(along: Floats, diameter: Floats, plateaus: Plateaus, way: int, most
         _tapers(plateaus, way),
     )
     return _Sides(*(np.where(found, column[chosen], np.nan) for column in columns))
+
+
+def _or_short(own: _Sides, other: _Sides, short: _Sides) -> _Sides:
+    """One side with what is healthy there for less than a plateau, where no plateau is as wide."""
+    lacks = np.isnan(own.along) | (short.narrowest > TAKES_PLACE * own.diameter)
+    ratio = short.diameter / other.diameter
+    is_healthy = lacks & (ratio >= 1) & (ratio <= DIVIDED)
+    return _Sides(*np.where(is_healthy, short, own))
 
 
 def _tapers(plateaus: Plateaus, way: int) -> Floats:

@@ -129,10 +129,10 @@ def healthy_caliber(run: VesselRun) -> float:
     return float(max([np.median(diameter), *plateaus_of(run).usual]))
 
 
-def plateaus_of(run: VesselRun) -> Plateaus:
-    """The plateaus of a vessel."""
+def plateaus_of(run: VesselRun, length: float = PLATEAU) -> Plateaus:
+    """The plateaus of a vessel, or stretches of another length, in its diameters."""
     along, diameter = _close_places(run)
-    half = PLATEAU * np.minimum(diameter, np.ptp(along) if len(along) else 0.0) / 2
+    half = length * np.minimum(diameter, np.ptp(along) if len(along) else 0.0) / 2
     first = np.searchsorted(along, along - half)
     last = np.searchsorted(along, along + half, side="right")
     near = first[:, None] + np.arange((last - first).max(initial=0))
