@@ -51,8 +51,8 @@ SHORT = 0.5
 """Diameters over which healthy vessel that is too short for a plateau keeps its width;"""
 
 DIVIDED = 2 ** (1 / MURRAY_EXPONENT)
-"""Times the healthy vessel on the other side of a narrowing up to which it is healthy: a vessel that
-divides into two alike is so much wider than these. What is wider is the flare of an ostium."""
+"""Times the healthy vessel on the other side of a narrowing up to which it is healthy: a vessel
+that divides into two alike is so much wider. What is wider still is the flare of an ostium."""
 
 TAKES_PLACE = 1.2
 """It counts in place of a plateau from so many times the width of that on."""
