@@ -33,6 +33,9 @@ class LesionSearch:
         try:
             self.remark, self._vessel = yield from self._inputs()
             vessel = self._vessel
+            cautions = yield from inPortions(lambda: vessel.lesion_cautions)
+            sentences = [caution.sentence() for caution in cautions]
+            self.remark = "\n".join(filter(None, [self.remark, *sentences]))
             self.found = yield from inPortions(lambda: withSections(vessel.lesions))
         except InputError as error:
             self.found, self.sentence = (), str(error)

@@ -40,6 +40,20 @@ def test_lesions_are_listed_before_any_stent_is_added(host, theInputs, thePictur
     host.grab(theInputs.parent, thePictures / "lesions.png")
 
 
+def test_ends_to_which_no_line_leads_are_told_beside_the_lesions(host, aPanel, aVessel):
+    from SDFStentSlicer import Conversion
+
+    from SDFStentLib.files import polydata_from_lines
+
+    vessel, centerline = aVessel
+    points, lines, _radii = Conversion.centerlineLines(centerline)
+    centerline.SetAndObservePolyData(polydata_from_lines(points, lines[:1]))
+    aPanel.ui.vesselSelector.setCurrentNode(vessel)
+    aPanel.ui.centerlineSelector.setCurrentNode(centerline)
+    found(host, aPanel)
+    assert "of the 3 ends of the surface no line" in aPanel.ui.lesionLabel.text
+
+
 def test_a_click_goes_to_the_lesion_in_slices_and_3d(host, theInputs, aScene):
     camera = aScene.AddNewNodeByClass("vtkMRMLCameraNode")
     sliceNode = aScene.AddNewNodeByClass("vtkMRMLSliceNode")

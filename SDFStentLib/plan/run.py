@@ -137,9 +137,13 @@ class PlanResult:
 
     @cached_property
     def size_warnings(self) -> tuple[Caution, ...]:
-        """Where a stent is too short for its lesion, or its ratio to it beyond what is known."""
+        """Where a stent is too short for its lesion, or its ratio to it beyond what is known.
+
+        And why lesions may not be what they seem.
+        """
         label = partial(label_of, self.plan.stents)
-        return tuple(size_cautions(self.treatment.stents, self.lesions, label))
+        sizes = size_cautions(self.treatment.stents, self.lesions, label)
+        return (*self.inputs.vessel.lesion_cautions, *sizes)
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False
