@@ -356,6 +356,8 @@ def test_ends_to_which_no_line_leads_are_told(folder, capsys):
     assert "To 1 of the 3 ends of the surface no line" in capsys.readouterr().err
     assert main(["suggest", *options, "-o", str(folder / "one_line.json")]) == 0
     assert "To 1 of the 3 ends" in capsys.readouterr().err
+    assert main(["suggest", *options, "-o", str(folder / "one_line.json"), "--json"]) == 0
+    assert "To 1 of the 3 ends" in json.loads(capsys.readouterr().out)["warnings"][0]
     stent = ["--at-lesion", "1", "--diameter", "6", "--length", "14"]
     deployed = str(folder / "one_line_deployed.vtp")
     assert main(["deploy", *options, *stent, "-o", deployed, "--verbose"]) == 0

@@ -35,11 +35,13 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
     plan = plan_of(options, Plan(), tuple(one.stent for one in suggestions), inputs)
     outputs.write()
     devices = device_table(options.device_table)
+    cautions = [*inputs.warnings, *inputs.vessel.lesion_cautions]
     if options.json:
         listed = [suggestion_section(one, devices) for one in suggestions]
-        print(document_json({"suggestions": listed}), end="")
+        warnings = [caution.sentence(units=options.units) for caution in cautions]
+        print(document_json({"suggestions": listed, "warnings": warnings}), end="")
         return 0
-    console.warn([*inputs.warnings, *inputs.vessel.lesion_cautions])
+    console.warn(cautions, units=options.units)
     for one in suggestions:
         for sentence in suggestion_sentences(one, devices):
             console.say(sentence)
