@@ -205,6 +205,11 @@ class Visit:
         rows = self.named(name).locator("tbody tr")
         playwright.expect(rows).to_have_count(0)
 
+    def click_lesion(self):
+        """Click the first one, once they are found: until then their row says so."""
+        self.until("lesionTable", "%")
+        self.named("lesionTable").locator("td").first.click()
+
     def add_stent(self):
         rows = self.named("stentTable").locator("tbody tr")
         count = rows.count()
@@ -263,7 +268,7 @@ def the_visit(a_browser, the_server):
     visit = Visit(a_browser, the_server.address)
     visit.until("stentTable", "Planned")  # the plan that the server was started with
     visit.until("stentTable", "9.0 mm")
-    visit.named("lesionTable").locator("tbody tr").first.wait_for()
+    visit.until("lesionTable", "%")
     yield visit
     visit.context.close()
     assert visit.errors == []
@@ -279,7 +284,7 @@ def a_visit(the_visit):
     the_visit.named("demoButton").click()
     playwright.expect(the_visit.named("opening")).not_to_have_attribute("open", "")
     the_visit.until_empty("stentTable")
-    the_visit.named("lesionTable").locator("tbody tr").first.wait_for()
+    the_visit.until("lesionTable", "%")
     the_visit.open_parts()
     return the_visit
 
@@ -288,9 +293,8 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     from SDFStentLib.files import read_surface
     from SDFStentLib.plan import load_plan, run_plan
 
-    lesions = a_visit.named("lesionTable").locator("tbody tr")
     screen = a_visit.page.locator(".screen").bounding_box()
-    lesions.first.locator("td").first.click()
+    a_visit.click_lesion()
     a_visit.seen(is_selected_lesion)
     a_visit.add_stent()
     a_visit.add_stent()
@@ -353,7 +357,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
 
 def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server):
     visit = Visit(a_browser, the_server.address, (1280, 800))
-    visit.named("lesionTable").locator("tbody tr").first.wait_for()
+    visit.until("lesionTable", "%")
     names = ("lesionTable", "stentTable", "suggestButton", "diameterSlider", "lengthSlider")
     boxes = {name: visit.named(name).bounding_box() for name in (*names, "deployButton")}
     assert all(box["y"] >= 0 and box["y"] + box["height"] <= 800 for box in boxes.values()), boxes
@@ -379,7 +383,7 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     visit.open_parts()
     assert visit.page.evaluate(UNNAMED) == []
     assert visit.page.get_by_role("main").count() == 1
-    visit.named("lesionTable").locator("td").first.click()
+    visit.click_lesion()
     visit.seen(is_selected_lesion)
     visit.named("fitButton").click()
     split, mouse = visit.named("split"), visit.page.mouse
@@ -582,7 +586,7 @@ def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_vis
 
 
 def test_alternatives_are_made_renamed_and_compared(a_visit):
-    a_visit.named("lesionTable").locator("td").first.click()
+    a_visit.click_lesion()
     a_visit.add_stent()
     a_visit.named("plansCollapsibleButton").evaluate("one => { one.open = true; }")
     a_visit.named("duplicatePlanButton").click()
@@ -621,7 +625,7 @@ def test_a_page_that_hangs_holds_up_no_other(a_visit, the_server):
     try:
         with ThreadPoolExecutor() as pool:
             asked = pool.submit(get, address)
-            a_visit.named("lesionTable").locator("td").first.click()
+            a_visit.click_lesion()
             a_visit.add_stent()
             a_visit.named("deployButton").click()
             a_visit.until("certificateLabel", "Certified")
@@ -642,7 +646,7 @@ def test_a_segment_and_a_mesh_of_ones_own_are_kept_by_the_browser(a_visit, the_f
         playwright.expect(place).to_have_attribute("aria-pressed", "true")
         a_visit.page.mouse.click(*a_visit.seen(is_centerline, share))
     playwright.expect(place).to_have_attribute("aria-pressed", "false")
-    a_visit.named("lesionTable").locator("td").first.click()
+    a_visit.click_lesion()
     a_visit.add_stent()
     a_visit.named("deployButton").click()
     a_visit.until("certificateLabel", "Certified")
@@ -685,9 +689,9 @@ def test_a_page_that_has_failed_says_so_and_goes_on_by_itself(a_browser, the_fol
     files = (the_folder / "cm" / "wall.vtp", "--centerline", the_folder / "cm" / "lines.vtp")
     server = AppServer(tmp_path / "workshop", *files, "--units", "cm")
     visit = Visit(a_browser, server.address)
-    visit.named("lesionTable").locator("tbody tr").first.wait_for()
+    visit.until("lesionTable", "%")
     assert visit.text("message") == ""
-    visit.named("lesionTable").locator("td").first.click()
+    visit.click_lesion()
     visit.add_stent()
     diameter = visit.number("diameterSlider").input_value()
     (kept,) = (tmp_path / "workshop-state" / "sdfstent" / "plans").glob("*/plan.json")
@@ -724,7 +728,7 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
     a_visit.named("opening").evaluate("one => { one.open = true; }")
     a_visit.page.select_option("#fileUnits", "cm")
     a_visit.named("openButton").click()
-    a_visit.named("lesionTable").locator("td").first.click()
+    a_visit.click_lesion()
     a_visit.add_stent()
     a_visit.named("deployButton").click()
     a_visit.until("certificateLabel", "ertified")

@@ -78,7 +78,7 @@ class Dragged:
         self.page.goto(address)
         self.named("deployButton").wait_for(timeout=120_000)
         print(f"page ready after {time.perf_counter() - start:.1f} s")
-        self.named("lesionTable").locator("tbody tr").first.wait_for(timeout=120_000)
+        self.named("lesionTable").filter(has_text="%").wait_for(timeout=120_000)
         self.named("lesionTable").locator("td").first.click()
         self.named("addStentButton").click()
         self.named("stentTable").locator("tbody tr").first.wait_for()

@@ -34,6 +34,7 @@ def take(page, path):
     def named(name):
         return page.locator(f'[data-name="{name}"]')
 
+    named("lesionTable").filter(has_text="%").wait_for()
     named("lesionTable").locator("tbody td").first.click()
     named("suggestButton").click()
     named("stentTable").locator("tbody tr").first.wait_for()
