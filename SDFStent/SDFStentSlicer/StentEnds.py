@@ -52,6 +52,7 @@ class StentEnds(VTKObservationMixin):
         """No stent is shown any more."""
         self._timer.stop()
         self._parameterNode = self._standing = None
+        removeMark(self._tube)
         self._remove()
 
     def _standingOf(self, parameterNode):
@@ -107,7 +108,6 @@ class StentEnds(VTKObservationMixin):
     def _remove(self):
         self.removeObservers()
         removeMark(self._node)
-        removeMark(self._tube)
         self._node = None
 
     def _onMoved(self, caller=None, event=None):
