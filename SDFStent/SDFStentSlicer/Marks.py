@@ -14,24 +14,17 @@ def createMark(className, name, points, texts=None):
 
     `texts` stand beside the points; then one without a text is not seen.
     """
-    scene = slicer.mrmlScene
-    node = scene.CreateNodeByClass(className)
-    node.UnRegister(None)
-    node.SetName(name)
-    node.SetHideFromEditors(True)
-    node.SetSaveWithScene(False)
+    node = _newNode(className, name)
     for number, point in enumerate(points):
         node.AddControlPointWorld(point, texts[number] if texts else "")
         node.SetNthControlPointVisibility(number, not texts or bool(texts[number]))
     selection = slicer.app.applicationLogic().GetSelectionNode()
     placed, className = selection.GetActivePlaceNodeID(), selection.GetActivePlaceNodeClassName()
     with slicer.util.NodeModify(selection):  # else it would be the one to which clicks add points
-        scene.AddNode(node)
+        slicer.mrmlScene.AddNode(node)
         selection.SetReferenceActivePlaceNodeClassName(className)
         selection.SetActivePlaceNodeID(placed)
-    node.CreateDefaultDisplayNodes()
-    display = node.GetDisplayNode()
-    display.SetSaveWithScene(False)
+    display = _newDisplay(node)
     display.SetPropertiesLabelVisibility(False)
     display.SetPointLabelsVisibility(texts is not None)
     display.SetOccludedVisibility(True)
@@ -41,20 +34,32 @@ def createMark(className, name, points, texts=None):
 
 def createTube(name, axis, radius):
     """A model node of the tube that a stent will be."""
-    scene = slicer.mrmlScene
-    node = scene.CreateNodeByClass("vtkMRMLModelNode")
+    node = _newNode("vtkMRMLModelNode", name)
+    slicer.mrmlScene.AddNode(node)
+    display = _newDisplay(node)
+    display.SetVisibility2D(True)
+    display.SetColor(*TUBE_COLOR)
+    Display.showTubes(node, [(axis, radius)])
+    display.SetEdgeVisibility(False)
+    return node
+
+
+def _newNode(className, name):
+    """One that is not in the scene yet."""
+    node = slicer.mrmlScene.CreateNodeByClass(className)
     node.UnRegister(None)
     node.SetName(name)
     node.SetHideFromEditors(True)
     node.SetSaveWithScene(False)
-    scene.AddNode(node)
-    node.CreateDefaultDisplayNodes()
-    node.GetDisplayNode().SetSaveWithScene(False)
-    node.GetDisplayNode().SetVisibility2D(True)
-    node.GetDisplayNode().SetColor(*TUBE_COLOR)
-    Display.showTubes(node, [(axis, radius)])
-    node.GetDisplayNode().SetEdgeVisibility(False)
     return node
+
+
+def _newDisplay(node):
+    """The display node of one that is."""
+    node.CreateDefaultDisplayNodes()
+    display = node.GetDisplayNode()
+    display.SetSaveWithScene(False)
+    return display
 
 
 def removeMark(node):
