@@ -156,6 +156,12 @@ def is_mark(red, green, blue):
     return (red > green + 40) & (green > blue + 90)
 
 
+TELL_REFUSED = """window.addEventListener('unhandledrejection', event => {
+  console.error(JSON.stringify(event.reason));
+});"""
+"""What a call was refused with is an object, of which the browser tells no more than that."""
+
+
 class Visit:
     """A page in the browser, by the names of the panel's widgets."""
 
@@ -168,6 +174,7 @@ class Visit:
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", self._on_console)
+        self.page.add_init_script(TELL_REFUSED)
         self.page.goto(address)
         self.named("deployButton").wait_for()
 
