@@ -30,25 +30,12 @@ from benchmarks.judges import (  # noqa: E402
     wall_distances,
     widest_spheres,
 )
-from SDFStentLib.centerline import (  # noqa: E402
-    Centerline,
-    CenterlinePath,
-)
-from SDFStentLib.deformation import (  # noqa: E402
-    Deployment,
-    DeploymentResult,
-    DeploymentSettings,
-)
-from SDFStentLib.files import (  # noqa: E402
-    read_centerline,
-    read_surface,
-)
+from SDFStentLib.centerline import Centerline, CenterlinePath  # noqa: E402
+from SDFStentLib.deformation import Deployment, DeploymentResult, DeploymentSettings  # noqa: E402
+from SDFStentLib.files import read_centerline, read_surface  # noqa: E402
 from SDFStentLib.geometry import Precision, Surface  # noqa: E402
 from SDFStentLib.lumen import InscribedSpheres, inscribed_spheres, open_at_ends  # noqa: E402
-from SDFStentLib.stent import (  # noqa: E402
-    AlongAxis,
-    Stent,
-)
+from SDFStentLib.stent import AlongAxis, Stent  # noqa: E402
 from SDFStentLib.treatment import AxisChange, axis_in_vessel  # noqa: E402
 
 DATA_FOLDER = Path(os.environ.get("SDFSTENT_DATA", PROJECT.parent / "shared" / "data"))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 
 from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
@@ -51,6 +52,24 @@ def anatomy(folder: Path, name: str) -> Vessel:
     surface_name, centerline_name, units = ANATOMIES[name]
     surface = read_surface(folder / surface_name, units=units)
     return Vessel(surface.surface, read_centerline(folder / centerline_name, units=units))
+
+
+VESSELS = {
+    "stenosis": phantoms.stenosed_tube,
+    "hairpin": phantoms.hairpin_tube,
+    "branches": phantoms.branching_pulmonary_artery,
+}
+ONE_ANATOMY = (
+    "pulmonary",
+    *(pytest.param(name, marks=pytest.mark.bench) for name in ("aorta_iliac", "vmtk_aorta")),
+)
+
+
+def vessel_named(request):
+    """The phantom or anatomy that the parameter of a fixture names."""
+    if request.param in VESSELS:
+        return VESSELS[request.param]()
+    return anatomy(request.getfixturevalue("data_dir"), request.param)
 
 
 def leaf_path(vessel: Vessel, leaf: int = 0):

@@ -13,9 +13,7 @@ from tube_files import write_vessel
 
 from SDFStentLib import phantoms
 from SDFStentLib.cli import main
-from SDFStentLib.files import (
-    read_surface,
-)
+from SDFStentLib.files import read_surface
 from SDFStentLib.files.formats.mdl_faces import LARGEST, mdl_face_names
 from SDFStentLib.geometry import NamedFaces
 from SDFStentLib.validation import InputError

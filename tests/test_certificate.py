@@ -9,10 +9,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 from SDFStentLib.certificate import certify, check_surface
-from SDFStentLib.certificate.face_quality import (
-    degenerate_triangles,
-    smallest_angles,
-)
+from SDFStentLib.certificate.face_quality import degenerate_triangles, smallest_angles
 from SDFStentLib.geometry import Precision, Surface
 
 

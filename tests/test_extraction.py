@@ -9,12 +9,7 @@ from child_processes import PROJECT, installed
 from scipy.spatial import cKDTree
 from tube_files import write_tube
 
-from SDFStentLib.files import (
-    extract_lines,
-    read_centerline,
-    read_lines,
-    read_surface,
-)
+from SDFStentLib.files import extract_lines, read_centerline, read_lines, read_surface
 from SDFStentLib.geometry import Line, Surface, norm
 from SDFStentLib.phantoms import (
     arch_with_coarctation,

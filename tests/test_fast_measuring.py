@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from deployment_cases import ONE_ANATOMY, VESSELS, vessel_named
 from plain_measuring import nearest_points, plain_sphere
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
@@ -22,26 +23,11 @@ from SDFStentLib.lumen import (
 from SDFStentLib.lumen.cross_section import _lumen_area
 from SDFStentLib.lumen.spheres import inscribed
 from SDFStentLib.lumen.wall_map import cuts_across
-from SDFStentLib.phantoms import (
-    branching_pulmonary_artery,
-    hairpin_tube,
-    stenosed_tube,
-    vascular_tree,
-)
+from SDFStentLib.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.vessel import branch_lumen
 from SDFStentLib.vessel.branch_lumen import branch_lumens, tree_lumen
 from SDFStentLib.vessel.own_diameters import measured_runs
 from SDFStentLib.vessel.runs import vessel_runs
-
-PHANTOMS = {
-    "stenosis": stenosed_tube,
-    "hairpin": hairpin_tube,
-    "branches": branching_pulmonary_artery,
-}
-ANATOMIES = (
-    "pulmonary",
-    *(pytest.param(name, marks=pytest.mark.bench) for name in ("aorta_iliac", "vmtk_aorta")),
-)
 
 
 def narrowed_tree():
@@ -49,14 +35,10 @@ def narrowed_tree():
     return vascular_tree(8, 1.0, {3: 0.5})
 
 
-@pytest.fixture(scope="module", params=[*PHANTOMS, *ANATOMIES])
+@pytest.fixture(scope="module", params=[*VESSELS, *ONE_ANATOMY])
 def a_vessel(request):
     """Points and triangles of a vessel, before and after a stent of 25 mm, and its axis."""
-    if request.param in PHANTOMS:
-        made = PHANTOMS[request.param]()
-    else:
-        request.getfixturevalue("data_dir")
-        made = request.getfixturevalue("sweep").vessel(request.param)
+    made = vessel_named(request)
     line = made.centerline
     way = line.path(line.points[line.roots[0]], line.points[np.sort(line.leaves)[0]])
     axis = Line(way.points).cut(10.0, 35.0).points
@@ -66,15 +48,9 @@ def a_vessel(request):
     return (made.points, after.points), made.triangles, axis
 
 
-@pytest.fixture(scope="module", params=["branches", "tree", *ANATOMIES])
+@pytest.fixture(scope="module", params=["branches", "tree", *ONE_ANATOMY])
 def a_vessel_and_its_tree(request):
-    if request.param == "tree":
-        made = narrowed_tree()
-    elif request.param in PHANTOMS:
-        made = PHANTOMS[request.param]()
-    else:
-        request.getfixturevalue("data_dir")
-        made = request.getfixturevalue("sweep").vessel(request.param)
+    made = narrowed_tree() if request.param == "tree" else vessel_named(request)
     return made.surface, made.centerline
 
 

@@ -199,22 +199,15 @@ def test_a_six_millimetre_stent_in_a_fine_mesh_opens_six_millimetres(name):
 @pytest.mark.parametrize("edge_length", [0.5, 0.8])
 def test_compensation_gives_a_coarse_lumen_back_what_its_facets_take(edge_length):
     made = phantom("stenosed_tube", radius=2.0, throat_radius=1.2, edge_length=edge_length)
-    plain, compensated = (
-        inscribed_diameters(
-            deployment_in(made, 10, 20, 3.0, DEFAULT.with_changes(facet_compensation=choice))
-        )
-        for choice in (False, True)
-    )
+    finished = deployment_in(made, 10, 20, 3.0)
+    bare = deployment_in(made, 10, 20, 3.0, DEFAULT.with_changes(facet_compensation=False))
+    plain, compensated = inscribed_diameters(bare), inscribed_diameters(finished)
     # Chords of edges that the stent has stretched 1.5 times: the sagitta h^2 / (8 R), both sides.
     sagitta = (1.5 * edge_length) ** 2 / (8 * 3.0)
     assert 6.0 - plain.mean() > sagitta
     assert abs(compensated.mean() - 6.0) < 0.25 * (6.0 - plain.mean())
     assert compensated.max() < 6.0 * 1.005
-
-
-def test_compensation_never_pushes_a_vertex_inside_the_prescribed_radius():
-    made = phantom("stenosed_tube", radius=2.0, throat_radius=1.2, edge_length=0.8)
-    deployment = deployment_in(made, 10, 20, 3.0)
-    away = deployment.chain.axis_distance(deployment.result.points)
+    # No vertex was pushed inside the prescribed radius.
+    away = finished.chain.axis_distance(finished.result.points)
     assert away.min() > 3.0 - 1e-4
     assert away[away < 3.3].max() < 3.0 + 0.3

@@ -4,30 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from deployment_cases import ONE_ANATOMY, vessel_named
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import measured_after, measured_at, moved_wall
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, treated_lesions
 from SDFStentLib.vessel import find_lesions
 
-PHANTOMS = {"stenosis": stenosed_tube, "branches": branching_pulmonary_artery}
-ANATOMIES = (
-    "pulmonary",
-    *(pytest.param(name, marks=pytest.mark.bench) for name in ("aorta_iliac", "vmtk_aorta")),
-)
 
-
-@pytest.fixture(scope="module", params=[*PHANTOMS, *ANATOMIES])
+@pytest.fixture(scope="module", params=["stenosis", "branches", *ONE_ANATOMY])
 def treated(request):
     """A vessel, its centerline, and what came of a short stent in the middle of its longest way."""
-    if request.param in PHANTOMS:
-        made = PHANTOMS[request.param]()
-    else:
-        request.getfixturevalue("data_dir")
-        made = request.getfixturevalue("sweep").vessel(request.param)
+    made = vessel_named(request)
     line = made.centerline
     leaf = line.leaves[np.argmax(line.arc_length[line.leaves])]
     way = line.path(line.points[line.roots[0]], line.points[leaf])

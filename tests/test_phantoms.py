@@ -9,9 +9,7 @@ import pytest
 
 from SDFStentLib import phantoms
 from SDFStentLib.certificate import self_intersecting_triangles
-from SDFStentLib.geometry import (
-    signed_volume,
-)
+from SDFStentLib.geometry import signed_volume
 from SDFStentLib.phantoms import Phantom
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion

@@ -21,10 +21,7 @@ from SDFStentLib.report.picture import painting, picture
 from SDFStentLib.report.picture.drawing import Box, Disc, Drawing, Stroke, Words, svg
 from SDFStentLib.report.picture.painting import painted
 from SDFStentLib.report.picture.picture import RED, before_after_scene
-from SDFStentLib.report.picture.shapes import (
-    WALL_COLOR,
-    strut_curves,
-)
+from SDFStentLib.report.picture.shapes import WALL_COLOR, strut_curves
 from SDFStentLib.report.picture.view import best_view
 from SDFStentLib.stent import AlongAxis, Stent
 from SDFStentLib.validation import DeploymentError

@@ -8,12 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from SDFStentLib.geometry import (
-    Line,
-    as_line,
-    closest_on_segments,
-    tightest_bend,
-)
+from SDFStentLib.geometry import Line, as_line, closest_on_segments, tightest_bend
 from SDFStentLib.geometry.line import PAIRS_PER_BLOCK
 
 CORNER = np.array([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])

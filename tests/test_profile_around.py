@@ -8,12 +8,7 @@ from plain_measuring import measured_around
 from test_closed_ends import LENGTH, RADIUS, a_capped_duct, a_circle
 
 from SDFStentLib.geometry import Line, Surface
-from SDFStentLib.lumen import (
-    ExtendedAxis,
-    axis_stations,
-    diameter_profile,
-    extended_axis,
-)
+from SDFStentLib.lumen import ExtendedAxis, axis_stations, diameter_profile, extended_axis
 from SDFStentLib.phantoms import straight_tube
 
 

@@ -15,13 +15,7 @@ import pytest
 from tube_files import write_tube
 
 from SDFStentLib.plan import Plan, run_plan
-from SDFStentLib.report import (
-    Report,
-    document_json,
-    plan_report,
-    write_report,
-    write_report_figure,
-)
+from SDFStentLib.report import Report, document_json, plan_report, write_report, write_report_figure
 from SDFStentLib.report.html import html_page
 from SDFStentLib.report.picture.drawing import Stroke
 from SDFStentLib.report.picture.plot import diameter_plot, figure

@@ -10,11 +10,7 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy
 from scipy.spatial import cKDTree
 from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
-from vtkmodules.vtkFiltersCore import (
-    vtkConnectivityFilter,
-    vtkMassProperties,
-    vtkTriangleFilter,
-)
+from vtkmodules.vtkFiltersCore import vtkConnectivityFilter, vtkMassProperties, vtkTriangleFilter
 from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
 
 from SDFStentLib.centerline import Centerline

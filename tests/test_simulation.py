@@ -31,14 +31,7 @@ from SDFStentLib.simulation import Conditions, Outlet, prepare
 from SDFStentLib.simulation.ends import extended
 from SDFStentLib.simulation.mmg import MeditMesh
 from SDFStentLib.simulation.prepared import Filled, well_filled
-from SDFStentLib.simulation.remesh import (
-    TOLERANCE,
-    Wishes,
-    axis_of,
-    edges_around,
-    mended,
-    remeshed,
-)
+from SDFStentLib.simulation.remesh import TOLERANCE, Wishes, axis_of, edges_around, mended, remeshed
 from SDFStentLib.simulation.solver_file import solver_files, time_steps
 from SDFStentLib.simulation.tetrahedra import dihedral_angles, filled
 from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment

@@ -15,11 +15,7 @@ from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line, smoothed_line
 from SDFStentLib.phantoms import hairpin_tube, straight_tube
 from SDFStentLib.plan import load_plan
-from SDFStentLib.stent import (
-    AlongAxis,
-    Stent,
-    stent_axis,
-)
+from SDFStentLib.stent import AlongAxis, Stent, stent_axis
 from SDFStentLib.treatment import AxisChange, Preview, Treatment, axis_in_vessel
 
 

@@ -9,12 +9,7 @@ from benchmarks.judges import wall_distances
 from benchmarks.trees.surface import Wall
 from benchmarks.trees.truth import Spheres
 from SDFStentLib.geometry import Line
-from SDFStentLib.lumen import (
-    LocalSurface,
-    diameter_profile,
-    inscribed_spheres,
-    with_own_spheres,
-)
+from SDFStentLib.lumen import LocalSurface, diameter_profile, inscribed_spheres, with_own_spheres
 from SDFStentLib.phantoms import TrueOpening, TrueVessel, branching_pulmonary_artery, straight_tube
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion

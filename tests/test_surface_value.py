@@ -8,12 +8,7 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.geometry import (
-    Surface,
-    as_surface,
-    state_of,
-    topology,
-)
+from SDFStentLib.geometry import Surface, as_surface, state_of, topology
 from SDFStentLib.geometry.fans import fans_by_graph, fans_by_walking
 from SDFStentLib.validation import InputError
 

@@ -11,14 +11,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.cohort.placing import _Place
 from SDFStentLib.files import read_centerline, read_lines
 from SDFStentLib.geometry import Line
-from SDFStentLib.stent import (
-    AtCenter,
-    AtDistalEnd,
-    AtProximalEnd,
-    BetweenPoints,
-    Stent,
-    stent_axis,
-)
+from SDFStentLib.stent import AtCenter, AtDistalEnd, AtProximalEnd, BetweenPoints, Stent, stent_axis
 
 HAND = 0.3
 """How far the hand moves a point beside a line, mm."""

@@ -10,13 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 from mesh_files import octahedron
-from polydata_cases import (
-    everything_of,
-    legacy_bytes,
-    random_polydata,
-    read_by_vtk,
-    xml_bytes,
-)
+from polydata_cases import everything_of, legacy_bytes, random_polydata, read_by_vtk, xml_bytes
 from vtkmodules.vtkFiltersCore import vtkTriangleFilter
 
 from SDFStentLib.files import polydata_from_arrays, read_surface, set_frame_of_polydata
