@@ -194,6 +194,15 @@ def _bipyramid(tip):
     return points, np.array(sides)
 
 
+def by_meshlab(points, triangles):
+    """Faces that MeshLab says to intersect, in float32."""
+    pymeshlab = pytest.importorskip("pymeshlab")
+    judge = pymeshlab.MeshSet()
+    judge.add_mesh(pymeshlab.Mesh(points, triangles))
+    judge.compute_selection_by_self_intersections_per_face()
+    return np.flatnonzero(judge.current_mesh().face_selection_array())
+
+
 @pytest.mark.parametrize(
     ("upper", "count"),
     [
@@ -205,7 +214,6 @@ def _bipyramid(tip):
 )
 def test_walls_that_touch_at_one_point_intersect(upper, count):
     """The tip of one closed surface on another: it passed where it lay on a vertex."""
-    pymeshlab = pytest.importorskip("pymeshlab")
     lower, faces = _bipyramid([0, 0, 0])
     points = np.vstack([lower, np.array(upper, dtype=float)])
     more = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]) + len(lower)
@@ -213,11 +221,8 @@ def test_walls_that_touch_at_one_point_intersect(upper, count):
     found = self_intersecting_triangles(points, triangles)
     assert len(found) == count
     assert intersecting_pairs(points, triangles).tolist() == _plain_pairs(points, triangles)
-    judge = pymeshlab.MeshSet()
-    judge.add_mesh(pymeshlab.Mesh(points, triangles))
-    judge.compute_selection_by_self_intersections_per_face()
     # Its decision in float32 misses most of what only touches.
-    assert set(np.flatnonzero(judge.current_mesh().face_selection_array())) <= set(found)
+    assert set(by_meshlab(points, triangles)) <= set(found)
     checked = check_surface(Surface(points, triangles))
     assert not checked.passed
     assert f"has {count} triangles intersecting near (" in checked.sentence()
@@ -226,7 +231,6 @@ def test_walls_that_touch_at_one_point_intersect(upper, count):
 @pytest.mark.parametrize("seed", seeds(3, 8))
 def test_random_touching_tetrahedra_agree_with_exact_rationals(seed):
     """Two closed surfaces with a common corner on a small lattice; MeshLab selects no more."""
-    pymeshlab = pytest.importorskip("pymeshlab")
     rng = np.random.default_rng(seed)
     faces = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
     found = 0
@@ -238,10 +242,7 @@ def test_random_touching_tetrahedra_agree_with_exact_rationals(seed):
         found += 1
         triangles = np.vstack([faces, faces + 4])
         assert intersecting_pairs(points, triangles).tolist() == _plain_pairs(points, triangles)
-        judge = pymeshlab.MeshSet()
-        judge.add_mesh(pymeshlab.Mesh(points, triangles))
-        judge.compute_selection_by_self_intersections_per_face()
-        selected = np.flatnonzero(judge.current_mesh().face_selection_array())
+        selected = by_meshlab(points, triangles)
         assert set(selected) <= set(self_intersecting_triangles(points, triangles).tolist())
 
 
@@ -284,13 +285,9 @@ VESSELS = [
 @pytest.mark.parametrize(("name", "unit"), VESSELS)
 @pytest.mark.parametrize("noise", [0.1, 0.3])
 def test_crumpled_vessels_get_the_faces_that_meshlab_selects(data_dir, name, unit, noise):
-    pymeshlab = pytest.importorskip("pymeshlab")
     points, triangles = _vessel(data_dir, name, unit)
     edge = np.median(np.linalg.norm(points[triangles[:, 0]] - points[triangles[:, 1]], axis=1))
     points = points + noise * edge * np.random.default_rng(4).normal(size=points.shape)
     points = points.astype(np.float32).astype(float)
-    judge = pymeshlab.MeshSet()
-    judge.add_mesh(pymeshlab.Mesh(points, triangles))
-    judge.compute_selection_by_self_intersections_per_face()
-    expected = np.flatnonzero(judge.current_mesh().face_selection_array())
+    expected = by_meshlab(points, triangles)
     assert np.array_equal(self_intersecting_triangles(points, triangles), expected)

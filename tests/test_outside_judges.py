@@ -83,6 +83,15 @@ def assert_meshed_and_filled(points, triangles):
     return len(elements)
 
 
+def assert_sound_once_stented(case):
+    """As `assert_meshed_and_filled`."""
+    result = deploy(case.surface, CapsuleChain.along(case.axis), case.radius)
+    assert result.certificate.passed
+    assert intersecting_faces(result.points, case.triangles).tolist() == []
+    assert_watertight(result.points, case.triangles)
+    return assert_meshed_and_filled(result.points, case.triangles)
+
+
 HARDER = ("hairpin_tube", *RADII)
 EASIER = [name for name in PHANTOM_STENTS if name not in HARDER]
 
@@ -93,11 +102,7 @@ EASIER = [name for name in PHANTOM_STENTS if name not in HARDER]
 def test_a_stented_phantom_is_sound_by_meshlab_and_tetgen(name):
     case = phantom_case(name)
     case = case._replace(radius=RADII.get(name, case.radius))
-    result = deploy(case.surface, CapsuleChain.along(case.axis), case.radius)
-    assert result.certificate.passed
-    assert intersecting_faces(result.points, case.triangles).tolist() == []
-    assert_watertight(result.points, case.triangles)
-    assert_meshed_and_filled(result.points, case.triangles)
+    assert_sound_once_stented(case)
 
 
 @pytest.mark.parametrize(
@@ -111,12 +116,8 @@ def test_a_stented_phantom_is_sound_by_meshlab_and_tetgen(name):
 def test_a_stented_anatomy_is_sound_by_meshlab_and_tetgen(data_dir, name):
     start, length, radius = ANATOMY_STENTS[name]
     case = anatomy_case(data_dir, name, start, length, radius=radius)
-    result = deploy(case.surface, CapsuleChain.along(case.axis), case.radius)
-    assert result.certificate.passed
-    assert intersecting_faces(result.points, case.triangles).tolist() == []
-    assert_watertight(result.points, case.triangles)
     untreated = len(tetrahedra(case.points, case.triangles)[1])
-    treated = assert_meshed_and_filled(result.points, case.triangles)
+    treated = assert_sound_once_stented(case)
     # No sliver layer between walls: at most twice the elements of the untreated vessel.
     assert treated < 2 * untreated
 
@@ -125,12 +126,8 @@ def test_our_certificate_finds_the_faces_that_meshlab_finds(data_dir):
     from SDFStentLib.deformation import DeploymentSettings
 
     case = anatomy_case(data_dir, "aorta_iliac", 200, 36, radius=12.0)
-    result = deploy(
-        case.surface,
-        DeploymentSettings.published().chain(case.axis),
-        case.radius,
-        DeploymentSettings.published(),
-    )
+    published = DeploymentSettings.published()
+    result = deploy(case.surface, published.chain(case.axis), case.radius, published)
     faces = intersecting_faces(result.points, case.triangles)
     assert len(faces)
     np.testing.assert_array_equal(result.certificate.new_self_intersecting, faces)

@@ -49,14 +49,19 @@ def test_place_moves_the_stent_to_the_click_and_ends(host, aStent, click, hasPoi
     assert aStent.ui.deployButton.enabled
 
 
-@pytest.mark.parametrize("hasPoints", [True, False])
-def test_a_stent_between_two_points_takes_two_clicks(host, aStent, click, hasPoints):
-    host.choose(aStent.ui.placementComboBox, 3)
-    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
+def placingBegun(host, panel, index, hasPoints):
+    """The handle of a kind of placement, which waits for clicks, and a way to take them from."""
+    host.choose(panel.ui.placementComboBox, index)
+    handle, tree = panel._parameterNode.stent.handle, treeOf(panel)
     if not hasPoints:
         handle.RemoveAllControlPoints()
-    way = wayTo(tree, tree.leaves[0])
-    place(host, aStent.ui.placeWidget)
+    place(host, panel.ui.placeWidget)
+    return handle, wayTo(tree, tree.leaves[0])
+
+
+@pytest.mark.parametrize("hasPoints", [True, False])
+def test_a_stent_between_two_points_takes_two_clicks(host, aStent, click, hasPoints):
+    handle, way = placingBegun(host, aStent, 3, hasPoints)
     click(way[3])
     assert isPlacing()
     click(way[-3])
@@ -119,12 +124,7 @@ def test_an_axis_drawn_in_3d_runs_in_the_middle_of_the_lumen(
 @pytest.mark.parametrize("hasPoints", [True, False])
 @pytest.mark.parametrize(("index", "count"), [(0, 1), (3, 2)])
 def test_two_clicks_at_once_place_as_two_do(host, aStent, theView, index, count, hasPoints):  # noqa: F811
-    host.choose(aStent.ui.placementComboBox, index)
-    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
-    if not hasPoints:
-        handle.RemoveAllControlPoints()
-    way = wayTo(tree, tree.leaves[0])
-    place(host, aStent.ui.placeWidget)
+    handle, way = placingBegun(host, aStent, index, hasPoints)
     for point in (way[3], way[-3]):
         theView.drag([theView.pixel(point)] * 2)
     host.process()
