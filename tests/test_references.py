@@ -122,6 +122,19 @@ def test_a_vessel_seen_to_widen_toward_its_ostium_tapers_from_there(ostium, refe
     assert told == pytest.approx(reference, abs=0.1)
 
 
+def test_a_station_more_or_less_of_an_ostium_makes_no_other_reference():
+    """A vessel seen to widen by 14 or by 16 % was told against 3.9 or 4.3 mm."""
+    tapering = 4.6 - 0.1 * np.arange(0, 30, SPACING).clip(0, 12)
+    told = [
+        reference_of(
+            np.minimum(tapering, through((0, ostium), (3, 2.2), (6, 4.0), (29.5, 4.0))), parent=0
+        )
+        for ostium in np.linspace(2.2, 3.3, 45)
+    ]
+    assert np.ptp(told) > 0.3
+    assert np.abs(np.diff(told)).max() < 0.1
+
+
 def test_the_reference_falls_where_a_branch_as_wide_leaves():
     """Half of what it takes was left to the vessel beyond, 4.9 mm where 4.2 go on."""
     beyond = through((0, 6), (20, 6), (23, 2), (30, 4.2), (60, 4.2))

@@ -226,9 +226,11 @@ def _widest_seen(diameter: Floats, distal: Floats) -> Floats:
     before it is as wide.
     """
     seen = np.maximum.accumulate(diameter)
-    widens = (1 - SMALLEST_DEGREE) * seen >= diameter
-    widens &= diameter[0] >= (1 - EDGE_DEGREE) * seen
-    return np.asarray(np.where(widens & (seen < (1 - EDGE_DEGREE) * distal), FLARE, 1.0) * distal)
+    # By degrees: how far a vessel is seen into its ostium hangs on little.
+    widens = (1 - diameter / seen) / SMALLEST_DEGREE
+    flare = 1 + (FLARE - 1) * np.clip(widens - 1, 0.0, 1.0)
+    is_lost = (diameter[0] >= (1 - EDGE_DEGREE) * seen) & (seen < (1 - EDGE_DEGREE) * distal)
+    return np.asarray(np.where(is_lost, flare, 1.0) * distal)
 
 
 def _where_lost(
