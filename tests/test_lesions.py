@@ -15,10 +15,12 @@ from trees import unbranched, with_radius
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.geometry import Surface
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import InscribedSpheres, closed_surface, flat_caps, inscribed_spheres
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.mesh import swept_tube
+from SDFStentLib.stent import AtCenter, Stent, StentAxis
+from SDFStentLib.treatment import PlacedStent, residual_of, treated_lesions
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import find_lesions, lesion_after, lesion_against, lesions_within
 from SDFStentLib.vessel.branch_lumen import are_in_lumen
@@ -166,6 +168,29 @@ def test_a_stent_s_length_changes_neither_lesion_nor_reference(length):
     )
     if length > 16:
         assert after.percent_diameter == pytest.approx(10, abs=1)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_stent_that_ends_beside_the_throat_of_a_lesion_treats_it(way):
+    """What was left of a lesion of 61 % was not told: the stent began 0.03 mm beyond the throat."""
+    made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
+    lesions = find_lesions(made.surface, made.centerline)
+
+    def treated(gap):
+        along = np.linspace(30 + way * gap, 30 + way * (gap + 14), 100)
+        axis = StentAxis(Line(made.axis_at(along)), np.full(100, 3.0), 14.0, 14.0)
+        placed = PlacedStent(1, Stent(5.4, placement=AtCenter(axis.points[50]), length=14.0), axis)
+        done = deploy(made.surface, CapsuleChain.along(made.axis_at(along)), 2.7).surface
+        return treated_lesions(lesions, [placed], done)[0], [placed]
+
+    beside, stents = treated(0.5)
+    assert beside.stents == (1,)
+    assert beside.is_left_beyond
+    left = residual_of([beside], stents)
+    assert left.side == ("proximal" if way > 0 else "distal")
+    assert left.percent == pytest.approx(beside.after.percent_diameter)
+    assert left.percent > 25
+    assert not treated(2.5)[0].stents
 
 
 def test_a_stent_past_a_narrow_branch_does_not_cover_its_lesion():

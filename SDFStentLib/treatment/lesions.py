@@ -29,7 +29,7 @@ class TreatedLesion:
     before, after : Lesion
         The same part of the vessel before any stent and after all of them.
     stents : tuple of int
-        Numbers of the stents that cover its narrowest place.
+        Numbers of the stents that cover its narrowest place, or end in the sphere there.
     is_left_beyond : bool
         Whether something is left of it, and what is narrowest then lies beyond all of the stents.
     """
@@ -64,11 +64,14 @@ def treated_lesions(
     left = lesions_after(lesions, after, moved)
     treated = []
     for number, pair in enumerate(zip(lesions, left, strict=True), start=1):
+        # One that begins at the throat, or ends there, treats the lesion: what is left is told.
         covering, left_in = (
-            tuple(stent.number for stent in stents if lesions_within([one], stent.axis.line))
-            for one in pair
+            [one.number for one in stents if lesions_within([lesion], one.axis.line, beyond)]
+            for lesion, beyond in zip(pair, (1.0, 0.0), strict=True)
         )
-        treated.append(TreatedLesion(number, *pair, covering, not left_in and _is_left(pair[1])))
+        treated.append(
+            TreatedLesion(number, *pair, tuple(covering), not left_in and _is_left(pair[1]))
+        )
     return tuple(treated)
 
 

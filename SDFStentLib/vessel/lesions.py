@@ -149,7 +149,9 @@ def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
     return lesions_after([lesion], as_surface(surface))[0]
 
 
-def lesions_within(lesions: Sequence[Lesion], axis: Line | ArrayLike) -> tuple[Lesion, ...]:
+def lesions_within(
+    lesions: Sequence[Lesion], axis: Line | ArrayLike, beyond: float = 0.0
+) -> tuple[Lesion, ...]:
     """Those of the lesions whose narrowest place a stent along an axis would cover.
 
     Parameters
@@ -157,12 +159,14 @@ def lesions_within(lesions: Sequence[Lesion], axis: Line | ArrayLike) -> tuple[L
     lesions : sequence of Lesion
     axis : Line or array_like, shape (n, 3)
         Of the stent from end to end, mm.
+    beyond : float
+        Radii of the narrowest place by which it may lie beyond an end.
     """
     line = as_line(axis, "axis")
-    return tuple(lesion for lesion in lesions if _passes(line, lesion))
+    return tuple(lesion for lesion in lesions if _passes(line, lesion, beyond))
 
 
-def _passes(axis: Line, lesion: Lesion) -> bool:
+def _passes(axis: Line, lesion: Lesion, beyond: float) -> bool:
     """Whether an axis goes through a lesion's narrowest place, along its vessel.
 
     It runs inside the sphere there and crosses the section. At a junction an axis into another
@@ -170,7 +174,8 @@ def _passes(axis: Line, lesion: Lesion) -> bool:
     """
     radius, at = lesion.minimum_diameter / 2, lesion.arc_length - lesion.start
     before, after = lesion.line.at([at - radius, at + radius])
-    line = axis.points
+    first, last = beyond * radius * axis.directions[[0, -1]]
+    line = np.vstack([axis.points[0] - first, axis.points, axis.points[-1] + last])
     heights = (line - lesion.point) @ (after - before)
     crossed = np.flatnonzero((heights[1:] < 0) != (heights[:-1] < 0))
     share = heights[crossed] / (heights[crossed] - heights[crossed + 1])
