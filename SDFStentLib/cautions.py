@@ -50,6 +50,11 @@ TEMPLATES = {
         "there are not known, and beside others the healthy vessel may be a parent, or missing; "
         "give a centerline from the inlet to all ends."
     ),
+    "jagged-line": (
+        "The centerline goes to and fro from point to point, by {turn_deg:.0f} degrees and more: "
+        "it is longer than the vessel. Lengths along it, the places and degrees of lesions and the "
+        "length of a stent cannot be relied on; give a smooth one."
+    ),
     # Segments
     "end-moved": (
         "The {end} of the segment was moved {distance_mm:.1f} mm into it, to ({x:.4g}, {y:.4g}, "
@@ -208,6 +213,7 @@ GRAVEST = (
     "unusual-extent",
     "unit-in-file",
     "partly-outside",
+    "jagged-line",
     "changed-input",
     "outside-without-effect",
     "without-effect",

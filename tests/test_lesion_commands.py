@@ -14,8 +14,9 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy, phantom
 from tube_files import write_vessel
 
+from SDFStentLib.centerline import JAGGED, zigzag
 from SDFStentLib.cli import main
-from SDFStentLib.files import encode_vtp, polydata_from_lines, read_surface
+from SDFStentLib.files import encode_vtp, polydata_from_lines, read_centerline, read_surface
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
@@ -336,6 +337,32 @@ def test_lesions_in_small_vessels_are_counted_in_one_line_and_listed_on_request(
     assert document["lesions"] == []
     (small,) = document["lesions_of_small_vessels"]
     assert small["number"] == 1
+
+
+@pytest.mark.parametrize(("noise", "is_told"), [(0.01, False), (0.2, True)])
+def test_a_jagged_line_is_told_first(folder, capsys, noise, is_told):
+    """A lesion of 32 mm was 123 mm long, and a stent of 30 mm lay over 5, with no word of why."""
+    made = branching_pulmonary_artery()
+    options, tree = written(folder, "jagged", made), made.centerline
+    shifts = np.random.default_rng(0).normal(0, noise, tree.points.shape)
+    lines = [tree.ancestry(int(leaf)) for leaf in tree.leaves]
+    (folder / "noisy.vtp").write_bytes(
+        encode_vtp(polydata_from_lines((tree.points + shifts) / 10, lines))
+    )
+    options[2] = str(folder / "noisy.vtp")
+    stent = ["--at-lesion", "1", "--diameter", "6", "--length", "14"]
+    for asked in (["measure"], ["deploy", *stent, "-o", str(folder / "jagged_deployed.vtp")]):
+        assert main([asked[0], *options, *asked[1:]]) == 0
+        said = capsys.readouterr().err
+        assert said.startswith("warning: The centerline goes to and fro") == is_told
+
+
+@pytest.mark.parametrize("path", ["pulmonary_centerline_cm.vtp", "su0243_centerline_mm.vtp"])
+def test_no_line_of_an_anatomy_is_jagged(data_dir, path):
+    tree = read_centerline(data_dir / path, path[-6:-4])
+    assert zigzag([Line(tree.points[branch]) for branch in tree.branches]) < JAGGED / 5
+    few = Line(np.stack([np.cos([0, 1, 2, 3]), np.sin([0, 1, 2, 3]), np.zeros(4)], axis=1))
+    assert zigzag([few]) == 0  # a bend of few points
 
 
 def test_ends_to_which_no_line_leads_are_told(folder, capsys):

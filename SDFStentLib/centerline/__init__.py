@@ -2,6 +2,8 @@
 
 from .branch_lumen import BranchLumen as BranchLumen
 from .centerline import Centerline as Centerline
+from .jagged import JAGGED as JAGGED
+from .jagged import zigzag as zigzag
 from .lumen_tree import SAME_CALIBER as SAME_CALIBER
 from .lumen_tree import USUAL as USUAL
 from .lumen_tree import LumenTree as LumenTree

@@ -115,7 +115,8 @@ def flow_sentences(section: Section, most: int | None = None) -> list[str]:
         lines += [f"{at}:", *(f"  {label}: {words}" for label, words in rows)]
     count = len(section["before"]["mean"]["narrowings"])
     if most is not None and count > most:
-        lines.append(f"{count - most} more narrowings; all of them are in the document.")
+        more = "1 more narrowing" if count - most == 1 else f"{count - most} more narrowings"
+        lines.append(f"{more}; all of them are in the document.")
     return [*lines, *section["notes"]]
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..cautions import Caution
-from ..centerline import Centerline
+from ..centerline import JAGGED, Centerline, zigzag
 from ..certificate import SurfaceCheck, check_surface
 from ..flow import Channel, FollowedChannels, channels_of
 from ..geometry import Line, NamedFaces, Precision, Surface
@@ -102,13 +102,15 @@ class Vessel:
 
     @cached_property
     def lesion_cautions(self) -> tuple[Caution, ...]:
-        """What to know before one relies on its lesions: ends to which no line leads."""
+        """What to know before one relies on its lesions: a jagged line, ends without one."""
         if self.centerline is None:
             return ()
+        turn = zigzag(tuple(self.branches.values()))
+        jagged = (Caution("jagged-line", {"turn_deg": turn}),) if turn > JAGGED else ()
         tree, ends = self.centerline, vessel_ends(self.surface)
         without = ends_without_line(ends, tree.points[[*tree.roots, *tree.leaves]])
         numbers = {"ends": len(ends), "without": without}
-        return (Caution("ends-without-line", numbers),) if without else ()
+        return (*jagged, *((Caution("ends-without-line", numbers),) if without else ()))
 
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
