@@ -339,6 +339,24 @@ def test_lesions_in_small_vessels_are_counted_in_one_line_and_listed_on_request(
     assert small["number"] == 1
 
 
+def test_what_another_stent_covers_is_not_told_as_uncovered(folder, tube, capsys):
+    """15.7 of 29.8 mm were told, and to choose a longer one; 2.0 lay beyond both."""
+    ends = [[0, 0, 1.6], [0, 0, 3.4], [0, 0, 4.4]]
+    stents = [
+        {"name": name, "diameter": 5.4, "placement": {"from": begin, "to": end}}
+        for name, begin, end in (("P", *ends[:2]), ("D", *ends[1:]))
+    ]
+    files = {"units": "cm", "surface": {"file": tube[0]}, "centerline": {"file": tube[2]}}
+    document = {"schema": "sdfstent-plan", "version": 2, "inputs": files, "stents": stents}
+    plan = folder / "halves.json"
+    said = []
+    for part in (stents, stents[:1]):
+        plan.write_text(json.dumps({**document, "stents": part}), encoding="utf-8")
+        assert main(["run", str(plan), "-o", str(folder / f"halves_{len(part)}")]) == 0
+        said.append("not wholly covered" in capsys.readouterr().err)
+    assert said == [False, True]
+
+
 @pytest.mark.parametrize(("noise", "is_told"), [(0.01, False), (0.2, True)])
 def test_a_jagged_line_is_told_first(folder, capsys, noise, is_told):
     """A lesion of 32 mm was 123 mm long, and a stent of 30 mm lay over 5, with no word of why."""

@@ -193,6 +193,23 @@ def test_a_stent_that_ends_beside_the_throat_of_a_lesion_treats_it(way):
     assert not treated(2.5)[0].stents
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_what_is_left_lies_within_the_stent_beside_that_at_the_throat(order):
+    """Its rest was told "before" the one at the throat, and lay in the other."""
+    made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
+    lesions = find_lesions(made.surface, made.centerline)
+    placed, surface = [], made.surface
+    parts = [(18.0, 32.5, 2.7), (32.0, 42.0, 2.3)][::order]
+    for number, (start, end, radius) in enumerate(parts, start=1):
+        line, length = Line(made.axis_at(np.linspace(start, end, 100))), end - start
+        axis = StentAxis(line, np.full(100, 3.0), length, length)
+        stent = Stent(2 * radius, placement=AtCenter(axis.points[50]), length=length)
+        placed.append(PlacedStent(number, stent, axis))
+        surface = deploy(surface, CapsuleChain.along(axis.points), radius).surface
+    treated = treated_lesions(lesions, placed, surface)
+    assert residual_of(treated, placed).side == "within"
+
+
 def test_a_stent_past_a_narrow_branch_does_not_cover_its_lesion():
     made = phantom("branching_pulmonary_artery")
     tree = made.centerline

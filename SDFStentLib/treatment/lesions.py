@@ -12,6 +12,7 @@ from ..geometry import Surface
 from ..lumen import moved_wall
 from ..validation import Place
 from ..vessel import Lesion, lesions_after, lesions_within
+from .placing import NOTICED, uncovered_length
 from .value import PlacedStent
 
 _LEAST_LEFT = 0.5
@@ -141,10 +142,9 @@ def residual_of(lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent])
         return None
     percents = [one.after.percent_diameter for one in there]
     worst = there[int(np.argmax(np.where(np.isnan(percents), np.inf, percents)))]
-    after, covering = worst.after, worst.stents or _nearest(worst, stents)
-    spans = _spans(after, [stent for stent in stents if stent.number in covering])
-    at = after.arc_length
-    side, stent, distance = _beside(at, spans)
+    after = worst.after
+    spans = _spans(after, _there(worst, stents))
+    side, stent, distance = _beside(after.arc_length, spans)
     return Residual(
         after.percent_diameter,
         after.minimum_diameter,
@@ -165,10 +165,17 @@ class _Span(NamedTuple):
     stent: int
 
 
-def _nearest(lesion: TreatedLesion, stents: Sequence[PlacedStent]) -> tuple[int, ...]:
+def _there(lesion: TreatedLesion, stents: Sequence[PlacedStent]) -> list[PlacedStent]:
+    """The stents that lie in a lesion, also beside its narrowest place; else the nearest one."""
+    length = lesion.before.line.length
+    found = [
+        one
+        for one in stents
+        if one.number in lesion.stents
+        or uncovered_length(lesion.before, [one.axis.line]) < length - NOTICED
+    ]
     point = np.array([lesion.after.point])
-    away = [stent.axis.line.nearest(point).distances[0] for stent in stents]
-    return (stents[int(np.argmin(away))].number,)
+    return found or [min(stents, key=lambda one: float(one.axis.line.nearest(point).distances[0]))]
 
 
 def _spans(lesion: Lesion, stents: Sequence[PlacedStent]) -> list[_Span]:

@@ -232,8 +232,8 @@ def _uncovered(
     for one in stents:
         own = [lesion for lesion in lesions if one.number in lesion.stents]
         for lesion in own[:1]:
-            within = [stent for stent in stents if stent.number in lesion.stents]
-            left = uncovered_length(lesion.before, [stent.axis.line for stent in within])
+            # Another one may cover what this one leaves, though not the narrowest place.
+            left = uncovered_length(lesion.before, [stent.axis.line for stent in stents])
             if left > NOTICED and lesion.number not in told:
                 told.add(lesion.number)
                 yield Caution(
@@ -253,4 +253,4 @@ def _packed(one: TreatedStent) -> str:
     """How long it was before it shortened, in words; empty where it did not."""
     if one.axis.nominal_length <= one.axis.deployed_length:
         return ""
-    return f", {one.axis.nominal_length:g} mm as packed"
+    return f", {one.axis.nominal_length:.3g} mm as packed"
