@@ -16,7 +16,13 @@ from tube_files import write_vessel
 
 from SDFStentLib.centerline import JAGGED, zigzag
 from SDFStentLib.cli import main
-from SDFStentLib.files import encode_vtp, polydata_from_lines, read_centerline, read_surface
+from SDFStentLib.files import (
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+    read_centerline,
+    read_surface,
+)
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
@@ -373,6 +379,20 @@ def test_a_jagged_line_is_told_first(folder, capsys, noise, is_told):
         assert main([asked[0], *options, *asked[1:]]) == 0
         said = capsys.readouterr().err
         assert said.startswith("warning: The centerline goes to and fro") == is_told
+
+
+def test_triangles_that_share_no_points_are_refused_for_what_they_are(folder, tube, capsys):
+    """It read "check that both are of one patient"."""
+    surface = read_surface(tube[0], "cm").surface
+    corners = surface.points[surface.triangles.ravel()] / 10
+    apart = polydata_from_arrays(corners, np.arange(len(corners)).reshape(-1, 3))
+    (folder / "apart.vtp").write_bytes(encode_vtp(apart))
+    wanted = folder / "apart_out.vtp"
+    stent = ["--at-lesion", "1", "--diameter", "5", "--length", "14", "-o", str(wanted)]
+    for command in (["measure"], ["deploy", *stent]):
+        assert main([command[0], str(folder / "apart.vtp"), *tube[1:], *command[1:]]) == 2
+        assert "share none" in capsys.readouterr().err
+    assert not wanted.exists()
 
 
 @pytest.mark.parametrize("path", ["pulmonary_centerline_cm.vtp", "su0243_centerline_mm.vtp"])
