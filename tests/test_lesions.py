@@ -184,6 +184,8 @@ def test_a_stent_that_ends_beside_the_throat_of_a_lesion_treats_it(way):
         return treated_lesions(lesions, [placed], done)[0], [placed]
 
     beside, stents = treated(0.5)
+    assert lesions_within(lesions, stents[0].axis.line) == lesions
+    assert not lesions_within(lesions, stents[0].axis.line, beyond=0.0)
     assert beside.stents == (1,)
     assert beside.is_left_beyond
     left = residual_of([beside], stents)

@@ -64,15 +64,11 @@ def treated_lesions(
     moved = None if before is None else moved_wall(before, after)
     left = lesions_after(lesions, after, moved)
     treated = []
-    for number, pair in enumerate(zip(lesions, left, strict=True), start=1):
-        # One that begins at the throat, or ends there, treats the lesion: what is left is told.
-        covering, left_in = (
-            [one.number for one in stents if lesions_within([lesion], one.axis.line, beyond)]
-            for lesion, beyond in zip(pair, (1.0, 0.0), strict=True)
-        )
-        treated.append(
-            TreatedLesion(number, *pair, tuple(covering), not left_in and _is_left(pair[1]))
-        )
+    for number, (lesion, rest) in enumerate(zip(lesions, left, strict=True), start=1):
+        treating = tuple(one.number for one in stents if lesions_within([lesion], one.axis.line))
+        is_within = any(lesions_within([rest], one.axis.line, beyond=0.0) for one in stents)
+        is_beyond = not is_within and _is_left(rest)
+        treated.append(TreatedLesion(number, lesion, rest, treating, is_beyond))
     return tuple(treated)
 
 

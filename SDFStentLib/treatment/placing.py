@@ -86,7 +86,7 @@ def placement_at(
     is_clear = not along or max(along) > lesion.end
     if (
         is_clear
-        and lesions_within([lesion], around)
+        and lesions_within([lesion], around, beyond=0.0)
         and uncovered_length(lesion, [around]) <= within
     ):
         return AtCenter(middle)

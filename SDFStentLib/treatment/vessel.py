@@ -105,12 +105,15 @@ class Vessel:
         """What to know before one relies on its lesions: a jagged line, ends without one."""
         if self.centerline is None:
             return ()
+        cautions = []
         turn = zigzag(tuple(self.branches.values()))
-        jagged = (Caution("jagged-line", {"turn_deg": turn}),) if turn > JAGGED else ()
+        if turn > JAGGED:
+            cautions.append(Caution("jagged-line", {"turn_deg": turn}))
         tree, ends = self.centerline, vessel_ends(self.surface)
         without = ends_without_line(ends, tree.points[[*tree.roots, *tree.leaves]])
-        numbers = {"ends": len(ends), "without": without}
-        return (*jagged, *((Caution("ends-without-line", numbers),) if without else ()))
+        if without:
+            cautions.append(Caution("ends-without-line", {"ends": len(ends), "without": without}))
+        return tuple(cautions)
 
     @cached_property
     def channels(self) -> tuple[Channel, ...]:

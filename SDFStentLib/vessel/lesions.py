@@ -150,9 +150,9 @@ def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
 
 
 def lesions_within(
-    lesions: Sequence[Lesion], axis: Line | ArrayLike, beyond: float = 0.0
+    lesions: Sequence[Lesion], axis: Line | ArrayLike, beyond: float = 1.0
 ) -> tuple[Lesion, ...]:
-    """Those of the lesions whose narrowest place a stent along an axis would cover.
+    """Those of the lesions that a stent along an axis would treat: it reaches the narrowest place.
 
     Parameters
     ----------
@@ -160,7 +160,8 @@ def lesions_within(
     axis : Line or array_like, shape (n, 3)
         Of the stent from end to end, mm.
     beyond : float
-        Radii of the narrowest place by which it may lie beyond an end.
+        Radii of the sphere at the narrowest place by which that may lie beyond an end: a stent that
+        begins at a throat, or ends there, treats it. 0: it is covered.
     """
     line = as_line(axis, "axis")
     return tuple(lesion for lesion in lesions if _passes(line, lesion, beyond))
