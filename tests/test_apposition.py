@@ -17,9 +17,9 @@ from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import diameter_profile
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.treatment import Treatment, lumen_into
 from SDFStentLib.treatment.warnings import narrowed_neighbors
-from SDFStentLib.vessel import NeighborLumen, apposition
+from SDFStentLib.vessel import NeighborLumen, Ostium, apposition
 from SDFStentLib.vessel.apposition import GAP
 
 
@@ -127,8 +127,11 @@ def lumen_along(path, name="side branch 1"):
 
 def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst():
     def treated(number, *lumens, again=None):
-        names = [SimpleNamespace(name=one.name) for one in lumens]
-        return SimpleNamespace(number=number, branches=names, neighbors=lumens, again=again)
+        ostia = [Ostium(one.name, one.path.points[0], 2.0, 4.0, 12.0, 1.0) for one in lumens]
+        axis = SimpleNamespace(deployed_length=10.0)
+        return SimpleNamespace(
+            number=number, branches=ostia, neighbors=lumens, again=again, axis=axis
+        )
 
     first = lumen_along([[0, 0, 0], [20, 0, 0]])
     worse = replace(lumen_along([[0, 1, 0], [20, 1, 0]]), after=2.0)
@@ -145,6 +148,7 @@ def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst
     assert [one.label for one in told] == labels
     assert [one.numbers["after_mm"] for one in told] == [2.0, 3.0, 3.0, 2.5]
     assert [one.stent for one in told] == [None, 1, 3, None]
+    assert [lumen_into(one, stents[0]) for one in stents[0].branches] == [first, other]
     assert str(told[0]).endswith("5 mm beyond its origin.")
     assert str(told[2]).endswith("5 mm beyond the end of the stent.")
 

@@ -19,7 +19,8 @@ from SDFStentLib.lumen import ExtendedAxis, extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.stent import BetweenPoints, Stent, stent_axis
+from SDFStentLib.stent import AlongAxis, BetweenPoints, Stent, stent_axis
+from SDFStentLib.treatment import Treatment, branches_beside
 from SDFStentLib.vessel import find_ostia
 from SDFStentLib.vessel.ostia import PARENT
 
@@ -107,6 +108,27 @@ def test_half_of_an_ostium_is_half_covered():
     assert not ostium.is_fully_covered
     assert ostium.sentence().startswith("Side branch of 4.7 mm at 0 mm: 5")
     assert " % covered; its ostium lies from -2." in ostium.sentence()
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "share"),
+    [
+        ((18, 30), (30, 42), 1.0),
+        ((18, 31), (29, 42), 1.0),
+        ((18, 30), (21, 30), 0.5),
+        # Of a circle 2.5 mm in radius, without the band from 1 mm before its middle to 1 beyond.
+        ((18, 29), (31, 42), 1 - 2 / np.pi * (np.arcsin(0.4) + 0.4 * np.sqrt(1 - 0.4**2))),
+    ],
+)
+def test_what_two_stents_cover_of_one_ostium_is_told_once_and_of_both(first, second, share):
+    """Where two met, half of one branch was told of each, as of two branches."""
+    patch = a_tee()
+    stents = [Stent(10.4, placement=AlongAxis([[0, 0, a], [0, 0, b]])) for a, b in (first, second)]
+    result = Treatment(Surface(patch.points, patch.triangles), stents).result
+    (branch,) = branches_beside(result.stents)
+    assert branch.stents == (1, 2)
+    assert branch.ostium.covered_share == pytest.approx(share, abs=0.03)
+    assert branch.ostium.is_fully_covered == (share == 1)
 
 
 def test_a_branch_is_called_by_the_faces_that_it_leads_to():

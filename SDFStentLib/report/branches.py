@@ -30,10 +30,9 @@ def again_words(number: int | None) -> str:
 
 
 def branch_section(
-    branch: Ostium, neighbors: Sequence[NeighborLumen], units: str = "mm"
+    branch: Ostium, lumen: NeighborLumen | None, units: str = "mm"
 ) -> dict[str, Any]:
-    """One ostium as a report has it; its lumen where the wall of the branch has moved."""
-    lumen = next((n for n in neighbors if n.name == branch.name), None)
+    """One ostium as a report has it, and the branch's lumen where its wall has moved."""
     covered = coverage_fact(branch)
     return {
         "name": branch.name,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cautions import GRAVEST, Caution
-from ..treatment import PlacedStent, TreatedLesion, TreatedStent, residual_of
+from ..treatment import PlacedStent, TreatedLesion, TreatedStent, branches_beside, residual_of
 from .facts import ALL_ROUND, CONTACT
 from .flow import share_gained
 from .words import degree_word, number_text
@@ -225,13 +225,13 @@ def _stenosis(stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]) 
 
 
 def _beside(stents: Sequence[TreatedStent]) -> Tile:
-    every = {branch.name for one in stents for branch in one.branches}
+    every = branches_beside(stents)
     if not every:
         return Tile(BRANCHES, "none near")
-    covered = {branch.name for one in stents for branch in one.branches if not branch.is_free}
-    narrowed = every & {near.name for one in stents for near in one.neighbors if near.is_narrowed}
-    beneath = f"{len(narrowed)} narrowed" if narrowed else "none narrowed"
-    return Tile(BRANCHES, f"{len(covered)} of {len(every)} covered", beneath)
+    covered = sum(not one.ostium.is_free for one in every)
+    narrowed = sum(one.lumen is not None and one.lumen.is_narrowed for one in every)
+    beneath = f"{narrowed} narrowed" if narrowed else "none narrowed"
+    return Tile(BRANCHES, f"{covered} of {len(every)} covered", beneath)
 
 
 def _touching(stents: Sequence[TreatedStent]) -> Iterator[Tile]:

@@ -12,7 +12,7 @@ from ..cautions import Caution
 from ..files import atomic_path, check_suffix, write_bytes
 from ..lumen import REACH
 from ..plan import PlanResult
-from ..treatment import TreatedLesion, TreatedStent
+from ..treatment import TreatedLesion, TreatedStent, lumen_into
 from ..units import MILLIMETERS
 from ..validation import as_path, check_is_a
 from ..version import VERSION
@@ -178,7 +178,7 @@ def plan_report(
         "flow": None if result.flow is None else flow_section(result.flow),
         "certificate": judged,
         "branches": [
-            {"stent": stent.number, **branch_section(branch, stent.neighbors, units)}
+            {"stent": stent.number, **branch_section(branch, lumen_into(branch, stent), units)}
             for stent in treatment.stents
             for branch in stent.branches
         ],

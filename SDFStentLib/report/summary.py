@@ -7,7 +7,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from ..plan import PlanResult, Today
-from ..treatment import Residual, TreatedLesion, TreatedStent, label_of
+from ..treatment import (
+    BranchBeside,
+    Residual,
+    TreatedLesion,
+    TreatedStent,
+    branches_beside,
+    label_of,
+)
 from .branches import NONE_NEAR, again_words, stent_branch_sentences
 from .devices import stent_device_sentences
 from .diameters import lumen_sentence
@@ -121,29 +128,38 @@ def _stenosis(lesions: Sequence[TreatedLesion] | None, residual: Residual | None
 
 def _branches(stents: Sequence[TreatedStent]) -> str:
     """Which side branches are covered or narrowed."""
-    every = {branch.name: branch for one in stents for branch in one.branches}
+    every = branches_beside(stents)
+    several = len(stents) > 1
+    lumens = [(_called(one, several), one.lumen) for one in every if one.lumen is not None]
+    lumens += [
+        (near.name, near)
+        for one in stents
+        for near in one.neighbors
+        if near.name not in {branch.name for branch in one.branches}
+    ]
     covered = [
-        f"{branch.name} ({branch.coverage.removesuffix(' covered')})"
-        for branch in every.values()
-        if not branch.is_free
+        _called(one, several, one.ostium.coverage.removesuffix(" covered"))
+        for one in every
+        if not one.ostium.is_free
     ]
     narrowed = [
-        f"{near.name} {near.before:.2f} -> {near.after:.2f} mm"
-        for one in stents
-        for near in one.neighbors
+        f"{name} {near.before:.2f} -> {near.after:.2f} mm"
+        for name, near in lumens
         if near.is_narrowed
     ]
-    lost = [
-        near.name
-        for one in stents
-        for near in one.neighbors
-        if math.isnan(near.after) and not math.isnan(near.before)
-    ]
+    lost = [name for name, near in lumens if math.isnan(near.after) and not math.isnan(near.before)]
     if not every and not narrowed and not lost:
         return NONE_NEAR
     words = [*_kind("covered", covered), *_kind("narrowed", narrowed)]
     words += _kind(f"with a lumen that is {UNKNOWN}", lost)
     return f"Branches: {'; '.join(words) or f'none of {len(every)} is covered or narrowed'}."
+
+
+def _called(branch: BranchBeside, of_several: bool, coverage: str = "") -> str:
+    """A branch, with the stent from which its place counts where there are several."""
+    stent = f"stent {branch.nearest}" if of_several else ""
+    said = ", ".join(filter(None, (stent, coverage)))
+    return f"{branch.ostium.name} ({said})" if said else branch.ostium.name
 
 
 def _kind(what: str, names: Sequence[str]) -> Iterable[str]:

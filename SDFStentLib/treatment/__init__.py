@@ -1,6 +1,9 @@
 """Several stents in order, each in the vessel that the earlier ones left, and measured."""
 
 from ..vessel import VesselName as VesselName
+from .branches import BranchBeside as BranchBeside
+from .branches import branches_beside as branches_beside
+from .branches import lumen_into as lumen_into
 from .lesions import Residual as Residual
 from .lesions import TreatedLesion as TreatedLesion
 from .lesions import residual_of as residual_of

@@ -26,6 +26,7 @@ from ..lumen import DiameterProfile, bulged_caps, diameter_profile
 from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
+from .branches import covered_by_all
 from .profile import Stage, named_states
 from .straightening import AxisChange, axis_in_vessel
 from .surroundings import (
@@ -229,7 +230,9 @@ class Treatment:
             after=seen.after.taken(survey.stations.own),
             around_before=survey.before,
             around_after=seen.after,
-            branches=survey.branches,
+            branches=covered_by_all(
+                survey.branches, survey.axis, [one for one in self._stages if one is not stage]
+            ),
             neighbors=seen.neighbors,
             apposition=seen.apposition if again == stage.number else None,
             again=None if again == stage.number else again,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from ..lumen import DiameterProfile, off_caps
 from ..stent import StentAxis
 from ..validation import InputError, Points
 from ..vessel import NeighborLumen
+from .branches import branches_beside
 from .lesions import TreatedLesion
 from .placing import NOTICED, uncovered_length
 from .ratios import ratio_cautions
@@ -161,46 +162,29 @@ def narrowed_neighbors(
     Each is measured before any stent and after all of them, wherever that stent moved its wall:
     of a branch the place counts that lost most. `label` names a stent by its number.
     """
-    branches: list[tuple[int, NeighborLumen]] = []
+    groups = [
+        (one.narrowed_by, one.lumen)
+        for one in branches_beside(treated)
+        if one.lumen is not None and one.narrowed_by
+    ]
     ends: dict[tuple[int, str], list[tuple[int, NeighborLumen]]] = {}
     for done in treated:
         names = {branch.name for branch in done.branches}
-        for lumen in filter(lambda one: one.is_narrowed, done.neighbors):
-            if lumen.name in names:
-                branches.append((done.number, lumen))
-                continue
-            ends.setdefault((done.again or done.number, lumen.name), []).append(
-                (done.number, lumen)
-            )
-    groups: list[list[tuple[int, NeighborLumen]]] = []
-    for number, lumen in branches:
-        known = [group for group in groups if is_same_branch(group[0][1], lumen)]
-        if known:
-            known[0].append((number, lumen))
-        else:
-            groups.append([(number, lumen)])
-    for group in sorted([*groups, *ends.values()], key=lambda group: group[0][0]):
-        worst = max((lumen for _, lumen in group), key=lambda lumen: lumen.loss)
-        numbers = [number for number, _ in group]
+        for lumen in done.neighbors:
+            if lumen.is_narrowed and lumen.name not in names:
+                both = done.again or done.number, lumen.name
+                ends.setdefault(both, []).append((done.number, lumen))
+    for group in ends.values():
+        numbers, lumens = zip(*group, strict=True)
+        groups.append((numbers, max(lumens, key=lambda lumen: lumen.loss)))
+    for numbers, worst in sorted(groups, key=lambda group: group[0][0]):
         if len(numbers) == 1:
             yield replace(worst.caution(), stent=numbers[0]).labeled(label(numbers[0]))
         else:
             yield worst.caution().labeled(f"Stents {_and(numbers)}: ")
 
 
-def is_same_branch(first: NeighborLumen, second: NeighborLumen) -> bool:
-    """Whether the ways of two stents lead through one lumen, whatever each calls it.
-
-    Each way has to pass the other's narrowed place within the radius that was there before.
-    """
-    for one, other in ((first, second), (second, first)):
-        place = one.path.at(np.array([one.distance]))
-        if other.path.nearest(place).distances[0] > one.before / 2:
-            return False
-    return True
-
-
-def _and(numbers: Sequence[int]) -> str:
+def _and(numbers: Iterable[int]) -> str:
     *others, last = map(str, numbers)
     return f"{', '.join(others)} and {last}"
 

@@ -7,6 +7,7 @@ leaves the expected one, and the surface there tells whether that leads into ano
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -51,16 +52,21 @@ class Ostium:
     area: float
     """Of the opening, on the expected wall, mm^2."""
     covered_share: float
-    """Share of that area between the ends of the stent, 0 to 1."""
+    """Share of that area between the ends of the stent, or of any stent, 0 to 1."""
     face_ids: tuple[int, ...] = ()
     """Of the ends of the model that the branch leads to."""
     outlets: Points = ()  # type: ignore[assignment]
     """(k, 3) centers of the flat caps that the branch leads to."""
     outline: Points = ()  # type: ignore[assignment]
     """(j, 3) points of the expected wall along the border of the opening, in no order."""
+    areas: Floats = ()  # type: ignore[assignment]
+    """(r,) of the rows of that wall round the axis, mm^2, between"""
+    edges: Floats = ()  # type: ignore[assignment]
+    """(r + 1,) these positions along the stent."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "center", read_only(self.center))
+        for name in ("center", "areas", "edges"):
+            object.__setattr__(self, name, read_only(np.asarray(getattr(self, name))))
         for name in ("outlets", "outline"):
             object.__setattr__(self, name, read_only(np.reshape(getattr(self, name), (-1, 3))))
 
@@ -81,6 +87,28 @@ class Ostium:
             return FREE
         share = "fully" if self.is_fully_covered else f"{100 * self.covered_share:.0f} %"
         return f"{share} covered"
+
+    def share_within(self, spans: Iterable[tuple[float, float]]) -> float:
+        """Share of its area between any of some pairs of positions along the stent, 0 to 1."""
+        below = np.concatenate([[0.0], np.cumsum(self.areas)])
+        share, done = 0.0, -np.inf
+        for start, end in sorted(spans):
+            begun, done = max(start, done), max(end, done)
+            share += float(np.ptp(np.interp([begun, done], self.edges, below)))
+        return min(share / below[-1], 1.0)  # rounding
+
+    def is_same(self, other: Ostium) -> bool:
+        """Whether another stent has the same branch beside it, whatever each calls it.
+
+        Most of what both lead to is the same; where nothing is known of that, one has its middle
+        in the other.
+        """
+        if not (len(self.outlets) and len(other.outlets)):
+            away = np.linalg.norm(self.center - other.center)
+            return bool(2 * away < max(_diameter(self), _diameter(other)))
+        apart = np.linalg.norm(self.outlets[:, None] - other.outlets, axis=2)
+        common = (2 * apart.min(axis=1) < min(_diameter(self), _diameter(other))).sum()
+        return bool(2 * common > max(apart.shape))
 
     def sentence(self) -> str:
         """What the stent does to it, for the user."""
@@ -183,26 +211,27 @@ def _faces_of_wall(tube: Tube, faces: NamedFaces | None) -> set[int]:
 
 def _ostium(tube: Tube, places: Floats, axis: ExtendedAxis, opening: Opening) -> Ostium:
     """An opening of a tube whose expected wall has these places (n, RAYS, 3)."""
-    region = opening.region
-    half = tube.wall.spacing / 2
-    low, high = (tube.wall.arc_length + shift - axis.before for shift in (-half, half))
-    inside = np.clip(high, 0, axis.stent_length) - np.clip(low, 0, axis.stent_length)
+    region, spacing = opening.region, tube.wall.spacing
     # A cell of the expected wall; infinite where the axis runs in the open.
     area = np.where(region & np.isfinite(tube.expected), tube.expected, 0.0)
-    area *= 2 * np.pi / RAYS * 2 * half
+    area *= 2 * np.pi / RAYS * spacing
     rows = np.flatnonzero(region.any(axis=1))
+    own = slice(rows[0], rows[-1] + 1)
+    middles = tube.wall.arc_length[own] - axis.before
     total = float(area.sum())
-    covered = float(area.sum(axis=1) @ (inside / (2 * half)) / total)
-    return Ostium(
+    ostium = Ostium(
         "",
         (places[region] * area[region][:, None]).sum(axis=0) / total,
-        float(low[rows[0]]),
-        float(high[rows[-1]]),
+        float(middles[0] - spacing / 2),
+        float(middles[-1] + spacing / 2),
         total,
-        min(covered, 1.0),  # rounding
+        0.0,
         outlets=opening.outlets,
         outline=places[region & ~_inner(region)],
+        areas=area[own].sum(axis=1),
+        edges=np.r_[middles - spacing / 2, middles[-1] + spacing / 2],
     )
+    return replace(ostium, covered_share=ostium.share_within([(0.0, axis.stent_length)]))
 
 
 def _inner(region: Mask) -> Mask:

@@ -1,0 +1,112 @@
+"""The branches beside the stents of a treatment: each once, and what all stents cover of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import Line
+from ..lumen import ExtendedAxis
+from ..vessel import NeighborLumen, Ostium
+from .profile import Stage
+from .value import TreatedStent
+
+_APART = 0.5
+"""Another stent lies in the same vessel where their axes are nearer than so many radii of it."""
+
+_SPACING = 0.1
+"""Of the places of another stent that are looked at, mm."""
+
+
+def covered_by_all(
+    branches: Iterable[Ostium], axis: ExtendedAxis, others: Iterable[Stage]
+) -> tuple[Ostium, ...]:
+    """The ostia beside one stent, with the share that it and others cover together.
+
+    Parameters
+    ----------
+    branches : iterable of Ostium
+    axis : ExtendedAxis
+        Of the stent beside which they are.
+    others : iterable of Stage
+    """
+    spans = [(0.0, axis.stent_length)]
+    for other in others:
+        near = axis.line.nearest(Line(other.axis.points).resampled(_SPACING).points)
+        inside = near.arc_lengths[near.distances < _APART * other.stent.radius] - axis.before
+        if len(inside):
+            spans.append((float(inside.min()), float(inside.max())))
+    return tuple(replace(one, covered_share=one.share_within(spans)) for one in branches)
+
+
+class BranchBeside(NamedTuple):
+    """A branch beside one stent or more."""
+
+    stents: tuple[int, ...]
+    """Their numbers."""
+    nearest: int
+    """The number of that from which its place counts."""
+    ostium: Ostium
+    """As seen from there, but its share as the first of them found it: before others changed it."""
+    lumen: NeighborLumen | None
+    """Where it lost most; None where its wall has not moved."""
+    narrowed_by: tuple[int, ...]
+    """The numbers of those on whose way it is narrowed."""
+
+
+def branches_beside(stents: Sequence[TreatedStent]) -> tuple[BranchBeside, ...]:
+    """The branches beside some stents, each once, in the order in which stents come to them."""
+    groups: list[list[tuple[TreatedStent, Ostium]]] = []
+    for stent in stents:
+        for ostium in stent.branches:
+            known = [
+                group
+                for group in groups
+                if group[-1][0] is not stent and any(ostium.is_same(one) for _, one in group)
+            ]
+            if known:
+                known[0].append((stent, ostium))
+            else:
+                groups.append([(stent, ostium)])
+    return tuple(map(_once, groups))
+
+
+def _once(views: Sequence[tuple[TreatedStent, Ostium]]) -> BranchBeside:
+    nearest, seen = min(views, key=lambda view: _beyond(*view))
+    ostium = replace(seen, covered_share=views[0][1].covered_share)
+    found = {stent.number: lumen_into(own, stent) for stent, own in views}
+    lumens = {number: one for number, one in found.items() if one and not np.isnan(one.before)}
+    losses = {number: np.nan_to_num(lumen.loss, nan=-np.inf) for number, lumen in lumens.items()}
+    worst = max(losses, key=losses.__getitem__, default=None)
+    return BranchBeside(
+        tuple(stent.number for stent, _ in views),
+        nearest.number,
+        ostium,
+        None if worst is None else replace(lumens[worst], name=ostium.name),
+        tuple(number for number, lumen in lumens.items() if lumen.is_narrowed),
+    )
+
+
+def lumen_into(ostium: Ostium, stent: TreatedStent) -> NeighborLumen | None:
+    """The lumen of a branch beside a stent; None where its wall has not moved."""
+    # Two branches may have one name.
+    alike = [branch for branch in stent.branches if branch.name == ostium.name]
+    for lumen in stent.neighbors:
+        if lumen.name == ostium.name and ostium is min(alike, key=partial(_away, lumen)):
+            return lumen
+    return None
+
+
+def _away(lumen: NeighborLumen, ostium: Ostium) -> float:
+    """How far a way passes from the middle of an ostium, mm."""
+    return float(lumen.path.nearest(ostium.center[None]).distances[0])
+
+
+def _beyond(stent: TreatedStent, ostium: Ostium) -> float:
+    """How far beyond the ends of a stent the middle of an ostium lies, mm; 0 beside it."""
+    middle = (ostium.start + ostium.end) / 2
+    return max(-middle, middle - stent.axis.deployed_length, 0.0)
