@@ -8,6 +8,7 @@ from slicer.i18n import tr as _
 from SDFStentLib import treatment
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import (
+    check_joined,
     faces_of_polydata,
     size_warnings,
     surface_from_polydata,
@@ -63,6 +64,7 @@ class Inputs:
             yield None
             polyData = yield from inPortions(lambda: triangulated_polydata(given, name).polydata)
             surface = yield from inPortions(lambda: surface_from_polydata(polyData, name))
+            yield from inPortions(lambda: check_joined(surface, name))
             corners = yield from inPortions(lambda: cornersOf(polyData))
             remark = yield from inPortions(lambda: _sizeRemark(surface, node.GetName()))
             faces = faces_of_polydata(polyData)

@@ -67,6 +67,14 @@ def vesselWithNaN(parameters, scene):
     parameters.vessel.GetPolyData().Modified()
 
 
+def vesselOfLooseTriangles(parameters, scene):
+    split = vtk.vtkShrinkPolyData()
+    split.SetShrinkFactor(1.0)
+    split.SetInputData(parameters.vessel.GetPolyData())
+    split.Update()
+    parameters.vessel.SetAndObservePolyData(split.GetOutput())
+
+
 def vesselUnderFlattening(parameters, scene):
     transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "Flat")
     matrix = vtk.vtkMatrix4x4()
@@ -120,6 +128,7 @@ CASES = {
     vesselWithoutMesh: "Vessel Nothing: expected a surface",
     vesselOfLines: "expected a surface of triangles",
     vesselWithNaN: "expected finite coordinates",
+    vesselOfLooseTriangles: "expected triangles that share their points, got [0-9]+ that share none",
     vesselUnderFlattening: "expected a transform that can be inverted, got Flat",
     centerlineOfTriangles: "expected a model of lines",
     centerlineEmpty: "Centerline Empty: expected a model of lines",

@@ -38,6 +38,7 @@ from .polydata import polydata_from_arrays as polydata_from_arrays
 from .polydata import polydata_from_lines as polydata_from_lines
 from .polydata import set_frame_of_polydata as set_frame_of_polydata
 from .polydata import surface_from_polydata as surface_from_polydata
+from .same_space import check_joined as check_joined
 from .same_space import check_same_space as check_same_space
 from .same_space import size_warnings as size_warnings
 from .surface_files import SurfaceFile as SurfaceFile

@@ -86,6 +86,16 @@ def check_same_space(
     raise _explained(_best_fit(test, centers)).labeled(f"{found}; ")
 
 
+def check_joined(surface: Surface, name: str) -> None:
+    """`InputError` for triangles of which no two share a point: they bound no vessel."""
+    parts, triangles = surface.topology.component_count, len(surface.triangles)
+    if 1 < triangles == parts:
+        raise InputError(
+            f"{name}: expected triangles that share their points, got {triangles} that share none, "
+            "so they bound no vessel; merge equal points first (in Slicer: Surface Toolbox, Clean)."
+        )
+
+
 def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Caution, ...]:
     """Whether a surface has not the size of a vessel in millimetres.
 

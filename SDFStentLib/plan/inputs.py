@@ -14,12 +14,12 @@ from ..files import (
     LineFile,
     SurfaceFile,
     axis_of,
+    check_joined,
     check_same_space,
     in_frame_of,
     read_lines,
     read_surface,
 )
-from ..geometry import Surface
 from ..stent import AlongAxis, InputFile
 from ..treatment import Vessel, VesselName
 from ..units import Frame, are_apart, flipped
@@ -93,7 +93,7 @@ def read_input_files(
     """
     start = perf_counter()
     surface_file = read_surface(surface, units)
-    _check_joined(surface_file.surface, os.fspath(surface))
+    check_joined(surface_file.surface, os.fspath(surface))
     line_file, tree = None, None
     warnings = surface_file.warnings
     marks = marks.in_frame(surface_file.frame)
@@ -110,15 +110,6 @@ def read_input_files(
     vessel = Vessel(surface_file.surface, tree, marks.reference, surface_file.faces, marks.names)
     _ = vessel.given_names  # names that cannot be meant fail here rather than in the end
     return InputFiles(surface_file, line_file, vessel, warnings, perf_counter() - start)
-
-
-def _check_joined(surface: Surface, name: str) -> None:
-    parts, triangles = surface.topology.component_count, len(surface.triangles)
-    if 1 < triangles == parts:
-        raise InputError(
-            f"{name}: expected triangles that share their points, got {triangles} that share none, "
-            "so they bound no vessel; merge equal points first (in Slicer: Surface Toolbox, Clean)."
-        )
 
 
 def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> InputFiles:
