@@ -98,6 +98,15 @@ def test_a_negative_flow_is_refused_as_a_flow(flow, capsys, flow_text):
     assert not Path("f.json").exists()
 
 
+def test_what_no_vessel_of_this_kind_can_have_is_refused_before_anything_is_deployed(
+    flow, capsys, monkeypatch
+):
+    monkeypatch.delattr("SDFStentLib.cli.flow.treatment_of")
+    pressures = ("--inlet-pressure", "12.1", "--wedge", "12")
+    assert flow("--plan", flow.plan, "--mean-flow", "3L/min", *pressures) == 2
+    assert "12.1" in capsys.readouterr().err
+
+
 def test_a_solver_that_dies_leaves_nothing(flow, capsys, monkeypatch):
     monkeypatch.setattr("SDFStentLib.plan.run.has_svzerod", lambda: True)
     monkeypatch.setattr("SDFStentLib.flow.svzerod._RUN", "import os; os._exit(9)")

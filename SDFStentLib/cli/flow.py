@@ -13,12 +13,14 @@ from ..flow import Known, has_svzerod, solved_by_svzerod
 from ..plan import (
     InputFiles,
     Marks,
+    Plan,
     flow_answer,
     flow_model,
     load_names,
     load_plan,
     read_input_files,
-    run_plan,
+    read_plan_inputs,
+    treatment_of,
 )
 from ..report import (
     RESEARCH_USE,
@@ -70,10 +72,13 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
         check_suffix(path, "a report", (".json", ".html"))
         outputs.add(path, lambda made: _write(made, document))
     add_networks(outputs, options.export_0d, lambda: answer)
-    inputs, result = _read(options, console)
-    answer = flow_answer(
-        flow_model(inputs.vessel, known, inputs.surface.frame), inputs.vessel, result
-    )
+    inputs, plan = _read(options)
+    # What cannot be known of this vessel is refused before anything is deployed.
+    model = flow_model(inputs.vessel, known, inputs.surface.frame)
+    result = None if plan is None else _deployed(plan, inputs, console)
+    cautions = inputs.warnings if result is None else (*inputs.warnings, *result.warnings)
+    console.warn_shortly(cautions, LISTED, options.units)
+    answer = flow_answer(model, inputs.vessel, result)
     files = {"surface": options.surface, "centerline": options.centerline, "plan": options.plan}
     document = flow_document(answer, {name: str(file) for name, file in files.items() if file})
     outputs.write()
@@ -84,15 +89,11 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _read(
-    options: argparse.Namespace, console: Console
-) -> tuple[InputFiles, TreatmentResult | None]:
-    """The vessel, and what the plan makes of it."""
+def _read(options: argparse.Namespace) -> tuple[InputFiles, Plan | None]:
+    """The vessel, and the plan for it."""
     if options.plan is None:
         marks = Marks(root_of(options), names=names_of(options))
-        inputs = read_input_files(options.surface, options.centerline, options.units, marks)
-        console.warn(inputs.warnings, units=options.units)
-        return inputs, None
+        return read_input_files(options.surface, options.centerline, options.units, marks), None
     accept = options.accept_changed_inputs
     plan = load_plan(options.plan, accept_changed_inputs=accept)
     # The files may lie elsewhere than when the plan was made.
@@ -105,17 +106,16 @@ def _read(
     )
     names = plan.names if options.names is None else load_names(options.names, plan.units)
     plan = replace(plan, surface=surface, centerline=centerline, names=names)
+    return read_plan_inputs(plan, accept_changed_inputs=accept), plan
+
+
+def _deployed(plan: Plan, inputs: InputFiles, console: Console) -> TreatmentResult:
+    """What a plan makes of its vessel."""
+    treatment = treatment_of(plan, inputs)
     with console.progress("Deploying") as show:
-        done = run_plan(
-            plan,
-            accept_changed_inputs=accept,
-            progress=lambda state: show(
-                state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm"
-            ),
-        )
-    inputs, result = done.inputs, done.treatment
-    console.warn_shortly([*inputs.warnings, *result.warnings], LISTED, options.units)
-    return inputs, result
+        for state in treatment:
+            show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
+    return treatment.result
 
 
 def _write(
