@@ -55,23 +55,32 @@ class InputError(ValueError):
         What stands there for a reader who has no words for that remedy.
     end : str
         The rest of the sentence.
+    place : (x, y, z), optional
+        That with which the message ends, mm: who knows the unit of the file tells it in that, too.
     """
 
     def __init__(
-        self, message: str = "", remedy: str = "", *, otherwise: str = "", end: str = ""
+        self,
+        message: str = "",
+        remedy: str = "",
+        *,
+        otherwise: str = "",
+        end: str = "",
+        place: Place | None = None,
     ) -> None:
         super().__init__(message + otherwise + end)
         self._parts = (message, remedy, otherwise, end)
+        self.place = place
 
-    def sentence(self, remedies: Mapping[str, str]) -> str:
-        """The message with the reader's words for its remedy."""
+    def sentence(self, remedies: Mapping[str, str], filed: str = "") -> str:
+        """The message with the reader's words for its remedy, and for its place in the file."""
         message, remedy, otherwise, end = self._parts
-        return message + remedies.get(remedy, otherwise) + end
+        return message + filed + remedies.get(remedy, otherwise) + end
 
     def labeled(self, label: str) -> InputError:
         """The same with a label in front: a file, a stent, a place in a document."""
         message, remedy, otherwise, end = self._parts
-        return InputError(label + message, remedy, otherwise=otherwise, end=end)
+        return InputError(label + message, remedy, otherwise=otherwise, end=end, place=self.place)
 
 
 class DeploymentError(RuntimeError):
@@ -141,6 +150,12 @@ def as_place(point: ArrayLike) -> Place:
     """A point (3,) as plain numbers."""
     x, y, z = np.asarray(point, dtype=np.float64).tolist()
     return x, y, z
+
+
+def place_words(point: ArrayLike) -> str:
+    """A point (3,) in mm, as sentences tell it."""
+    x, y, z = as_place(point)
+    return f"({x:.4g}, {y:.4g}, {z:.4g}) mm"
 
 
 def as_triangles(values: ArrayLike, point_count: int, name: str = "triangles") -> Triangles:

@@ -8,7 +8,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 from test_plan import SCHEMA
-from tube_files import deploy
+from tube_files import deploy, plan_of
 
 from SDFStentLib.cli import main
 from SDFStentLib.flow import Known
@@ -200,3 +200,33 @@ def test_a_drop_that_is_next_to_nothing_is_no_minus_zero():
     moment = {"flow_ml_s": 5.0, "inlet_mmhg": None, "share": {}, "narrowings": [drop]}
     ((_, ((_, words),)),) = flow_moments({"before": {"mean": moment}, "after": None})
     assert words.startswith("recovered 0.00 (-0.02 to 0.00) mmHg")
+
+
+def beside(x):
+    """A plan in cm whose stent has its middle beside the line of the tube."""
+    place = {"placement": {"center": [x, 0, 2]}, "length": 20, "diameter": 6}
+    Path("beside.json").write_text(json.dumps(plan_of(place)), encoding="utf-8")
+
+
+TUBE = ("tube.vtp", "--centerline", "line.vtp")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "beside.json", "-o", "out"],
+        ["flow", *TUBE, "--plan", "beside.json", "--mean-flow", "50mL/s"],
+        ["flow", *TUBE, "--units", "cm", "--names", "names.json", "--mean-flow", "50mL/s"],
+    ],
+)
+def test_a_place_that_is_refused_is_told_in_the_unit_of_the_file_too(a_folder, capsys, words):
+    beside(5)
+    Path("names.json").write_text('{"aorta": [5, 0, 2]}', encoding="utf-8")
+    assert main(words) == 2
+    assert "got (50, 0, 20) mm (in the file 5, 0, 2 cm), " in capsys.readouterr().err
+
+
+def test_a_warning_of_a_plan_tells_places_in_the_unit_of_the_plan(a_folder, capsys):
+    beside(0.15)
+    assert main(["flow", *TUBE, "--plan", "beside.json", "--mean-flow", "50mL/s"]) == 0
+    assert "(0, 0, 20) mm (in the file 0, 0, 2 cm), was taken" in capsys.readouterr().err

@@ -86,7 +86,7 @@ def test_a_vessel_is_called_as_the_user_does_in_every_command(a_patient, artery,
 @pytest.mark.parametrize(
     ("names", "said"),
     [
-        ({"LPA": [9.0, 9.0, 9.0]}, "expected a place in a vessel, got [90.0, 90.0, 90.0] mm"),
+        ({"LPA": [9.0, 9.0, 9.0]}, "expected a place in a vessel, got (90, 90, 90) mm"),
         ({"LPA": 17}, "expected a face at an end of the centerline, [2, 3, 4], got 17"),
         ({"LPA": 1}, "expected a face at an end of the centerline"),  # the wall
         ({"LPA": LEFT, "left": "twice"}, "expected three numbers, a place in the vessel"),

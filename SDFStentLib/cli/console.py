@@ -39,6 +39,8 @@ class Console:
         self.remedies, self.quiet = remedies_of(options), quiet
         self._bar: _Bar | None = None
         self.verbose = getattr(options, "verbose", True)
+        self.units = getattr(options, "units", "mm")
+        """Of the files; a plan has its own."""
 
     def say(self, sentence: str = "") -> None:
         """A line of the result; nothing when quiet."""

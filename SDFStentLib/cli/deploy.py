@@ -81,6 +81,7 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
     """Carry out a plan; 0, or 3 when the certificate fails."""
     start = perf_counter()
     plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
+    console.units = plan.units
     files = [plan.surface, plan.centerline, *(stent.axis_file for stent in plan.stents)]
     inputs = [options.plan, options.device_mesh, *(file.path for file in files if file)]
     if options.export_0d and plan.flow is None:

@@ -72,12 +72,12 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
         check_suffix(path, "a report", (".json", ".html"))
         outputs.add(path, lambda made: _write(made, document))
     add_networks(outputs, options.export_0d, lambda: answer)
-    inputs, plan = _read(options)
+    inputs, plan = _read(options, console)
     # What cannot be known of this vessel is refused before anything is deployed.
     model = flow_model(inputs.vessel, known, inputs.surface.frame)
     result = None if plan is None else _deployed(plan, inputs, console)
     cautions = inputs.warnings if result is None else (*inputs.warnings, *result.warnings)
-    console.warn_shortly(cautions, LISTED, options.units)
+    console.warn_shortly(cautions, LISTED, console.units)
     answer = flow_answer(model, inputs.vessel, result)
     files = {"surface": options.surface, "centerline": options.centerline, "plan": options.plan}
     document = flow_document(answer, {name: str(file) for name, file in files.items() if file})
@@ -89,13 +89,14 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _read(options: argparse.Namespace) -> tuple[InputFiles, Plan | None]:
+def _read(options: argparse.Namespace, console: Console) -> tuple[InputFiles, Plan | None]:
     """The vessel, and the plan for it."""
     if options.plan is None:
         marks = Marks(root_of(options), names=names_of(options))
         return read_input_files(options.surface, options.centerline, options.units, marks), None
     accept = options.accept_changed_inputs
     plan = load_plan(options.plan, accept_changed_inputs=accept)
+    console.units = plan.units
     # The files may lie elsewhere than when the plan was made.
     surface, centerline = (
         InputFile(path, None if file is None else file.sha256)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import TextIO
 
+from ..cautions import in_file
 from ..files import cannot_write
 from ..validation import DeploymentError, InputError
 from .console import Console, error_line, remedies_of
@@ -50,10 +51,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = parser().parse_args(arguments)
     except SystemExit as end:  # after --help, --version and errors of usage
         return int(end.code or 0)
+    console = Console(options, quiet=options.quiet)
     try:
         command = _imported(options.command)
         with interruptions():
-            code = command(options, Console(options, quiet=options.quiet))
+            code = command(options, console)
         sys.stdout.flush()
         return code
     except BrokenPipeError:
@@ -61,7 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _drop_stdout()
         return DONE
     except (Exception, KeyboardInterrupt) as error:
-        return _failed(error, options)
+        return _failed(error, options, console.units)
 
 
 def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
@@ -80,14 +82,15 @@ def _nowhere() -> TextIO:
     return open(os.devnull, "w", encoding="utf-8")
 
 
-def _failed(error: BaseException, options: argparse.Namespace) -> int:
+def _failed(error: BaseException, options: argparse.Namespace, units: str) -> int:
     if options.debug:
         traceback.print_exception(error)
     if isinstance(error, KeyboardInterrupt):
         error_line(SENTENCE)
         return INTERRUPTED
     if isinstance(error, InputError):
-        error_line(f"sdfstent {options.command}: {error.sentence(remedies_of(options))}")
+        told = error.sentence(remedies_of(options), in_file(error.place, units))
+        error_line(f"sdfstent {options.command}: {told}")
         return BAD_INPUT
     if isinstance(error, DeploymentError):
         error_line(f"sdfstent {options.command}: {error}")

@@ -10,7 +10,7 @@ import numpy as np
 from ..centerline import Centerline, Stretch, joined_lumens
 from ..geometry import Line, Surface, norm
 from ..lumen import equivalent_diameters, inscribed_spheres
-from ..validation import Floats, Indices, InputError, Points
+from ..validation import Floats, Indices, InputError, Points, as_place, place_words
 from ..vessel import branch_lumens
 
 OBLONG = 1.5
@@ -161,10 +161,12 @@ def _known(channel: Channel, before: Sequence[Floats], is_outlet: bool) -> Float
     if known.any() and not is_lost:
         return np.interp(channel.along, channel.along[known], diameter[known])
     if is_outlet:
-        x, y, z = channel.points[-1]
+        end = channel.points[-1]
         raise InputError(
-            f"flow: expected a lumen at the outlet near ({x:.1f}, {y:.1f}, {z:.1f}) mm, got a "
-            "centerline that goes on outside of the surface; extract the centerline anew."
+            f"flow: expected a lumen at the outlet near {place_words(end)}",
+            place=as_place(end),
+            end=", got a centerline that goes on outside of the surface; extract the centerline "
+            "anew.",
         )
     return np.full(len(channel.along), before[channel.above][-1])
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..geometry import Line
 from ..units import Frame
-from ..validation import Flags, Floats, InputError, Points
+from ..validation import Flags, Floats, InputError, Points, as_place, place_words
 from .blocks import PASCAL_PER_MMHG, PER_ML, shares_of
 from .channels import Channel
 from .known import Known
@@ -108,19 +108,21 @@ def _is_right(
     """Whether the first of two branches is the right one; None where nothing tells."""
     if right is not None:
         near = [Line(one.points).nearest(right[None]).distances[0] for one in channels]
-        number, (x, y, z) = int(np.argmin(near)), right
+        number = int(np.argmin(near))
         if near[number] > np.nanmax(channels[number].section, initial=0.0):
             raise InputError(
-                f"flow: expected a place in the right main branch, got ({x:.4g}, {y:.4g}, {z:.4g}) "
-                f"mm, {near[number]:.0f} mm from the vessel; name one in it."
+                f"flow: expected a place in the right main branch, got {place_words(right)}",
+                place=as_place(right),
+                end=f", {near[number]:.0f} mm from the vessel; name one in it.",
             )
         # Ends: at the root.
         while number >= 0 and number not in pair:
             number = channels[number].above
         if number < 0:
             raise InputError(
-                f"flow: expected a place in one of the two main branches, got ({x:.4g}, {y:.4g}, "
-                f"{z:.4g}) mm before they part; name a place beyond their junction."
+                f"flow: expected a place in one of the two main branches, got {place_words(right)}",
+                place=as_place(right),
+                end=" before they part; name a place beyond their junction.",
             )
         return number == pair[0]
     if frame is None:

@@ -23,7 +23,7 @@ from ..geometry import (
 )
 from ..segment import PlaneFinder, Segment
 from ..treatment import Vessel
-from ..validation import InputError, Points, Triangles
+from ..validation import InputError, Points, Triangles, as_place, place_words
 from ..vessel import vessel_parts
 from .remesh import Axis
 
@@ -73,10 +73,12 @@ def ends_beyond(before: Vessel, after: Vessel, axis: Axis, units: str = "mm") ->
         needed *= 2 * float(axis.radius_at(Line(line).at([at]))[0])
         found = next(_places(finders, line, at, needed), None)
         if found is None:
-            x, y, z = Line(line).at([at])[0]
+            begin = Line(line).at([at])[0]
             raise InputError(
                 f"segment {word}: expected a place beyond the stent where a plane meets only this "
-                f"vessel, found none from ({x:.4g}, {y:.4g}, {z:.4g}) mm on; name both ends."
+                f"vessel, found none from {place_words(begin)}",
+                place=as_place(begin),
+                end=" on; name both ends.",
             )
         ends.append(Line(line).at([found])[0])
         missing.append(max(0.0, at + needed - found))

@@ -9,7 +9,16 @@ from typing import Any
 import numpy as np
 
 from ..geometry import Line
-from ..validation import Floats, InputError, Points, as_patient_points, as_point, read_only
+from ..validation import (
+    Floats,
+    InputError,
+    Points,
+    as_patient_points,
+    as_place,
+    as_point,
+    place_words,
+    read_only,
+)
 
 LOOP = 1e-3
 """Distance of the ends of a curve over its length up to which it is a closed loop."""
@@ -132,20 +141,21 @@ def _check_way(line: Line) -> None:
     if np.linalg.norm(points[-1] - points[0]) <= LOOP * line.length:
         raise InputError(
             "stent axis: expected a curve with two ends, got a closed loop, which ends where it "
-            f"begins, at {_in_words(points[0])}; take a part of it."
+            f"begins, at {place_words(points[0])}",
+            place=as_place(points[0]),
+            end="; take a part of it.",
         )
     pieces = np.diff(points, axis=0)
     pieces /= np.linalg.norm(pieces, axis=1)[:, None]
     turns = (pieces[1:] * pieces[:-1]).sum(axis=1)
     if turns.min(initial=1.0) < TURNED_BACK:
+        sharp = points[1 + turns.argmin()]
         raise InputError(
             "stent axis: expected a curve that goes on, got one that turns back on itself at "
-            f"{_in_words(points[1 + turns.argmin()])}; leave out the points behind."
+            f"{place_words(sharp)}",
+            place=as_place(sharp),
+            end="; leave out the points behind.",
         )
-
-
-def _in_words(point: Floats) -> str:
-    return "({:.4g}, {:.4g}, {:.4g}) mm".format(*point)
 
 
 def _keep_point(placement: object, field_name: str, name: str) -> None:

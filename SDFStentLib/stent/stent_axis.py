@@ -10,7 +10,7 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
 from ..geometry import Line, tightest_bend
-from ..validation import Floats, InputError, Points, as_place, check_is_a, read_only
+from ..validation import Floats, InputError, Points, as_place, check_is_a, place_words, read_only
 from .placement import (
     AlongAxis,
     AtCenter,
@@ -236,8 +236,10 @@ def _placed(centerline: Centerline, point: Floats, name: str) -> Location:
     if place.distance > limit:
         raise InputError(
             f"{name}: expected a point within {limit:.3g} mm of the centerline, got "
-            f"({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g}) mm, {place.distance:.3g} mm away; "
-            "check the point, its unit (mm, cm) and its frame (RAS, LPS)."
+            f"{place_words(point)}",
+            place=as_place(point),
+            end=f", {place.distance:.3g} mm away; check the point, its unit (mm, cm) and its frame "
+            "(RAS, LPS).",
         )
     return place
 

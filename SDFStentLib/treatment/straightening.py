@@ -29,7 +29,7 @@ from ..stent import (
     straight_way,
     turned_way,
 )
-from ..validation import Floats, InputError, Points, as_place
+from ..validation import Floats, InputError, Points, as_place, place_words
 from .profile import with_profile
 
 
@@ -47,9 +47,10 @@ def check_in_lumen(inside: VesselInside, placement: Placement, centerline: Cente
             continue
         if beyond := inside.beyond(point):
             raise InputError(
-                f"{name}: expected a point in the lumen, got {np.round(point, 2).tolist()} mm, "
-                f"which is {place.distance:.1f} mm from the centerline and {beyond:.1f} mm outside "
-                "of the wall; move it into the vessel."
+                f"{name}: expected a point in the lumen, got {place_words(point)}",
+                place=as_place(point),
+                end=f", which is {place.distance:.1f} mm from the centerline and {beyond:.1f} mm "
+                "outside of the wall; move it into the vessel.",
             )
 
 

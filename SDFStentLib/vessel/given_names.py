@@ -10,7 +10,7 @@ import numpy as np
 from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface
 from ..lumen import VesselInside
-from ..validation import Floats, InputError, Place, in_short
+from ..validation import Floats, InputError, Place, as_place, in_short, place_words
 from .branch_lumen import tree_lumen
 from .branch_names import faces_at_ends
 from .runs import VesselRun, is_main, vessel_runs
@@ -131,8 +131,10 @@ def _branch_at(place: Floats, label: str, surface: Surface, runs: Sequence[Vesse
     nearest = int(inside.argmin())
     if inside[nearest] > 1 and (beyond := VesselInside(surface).beyond(place)):
         raise InputError(
-            f"{label}: expected a place in a vessel, got {np.round(place, 2).tolist()} mm, which "
-            f"is {beyond:.1f} mm outside of the wall; move it into the vessel that is meant."
+            f"{label}: expected a place in a vessel, got {place_words(place)}",
+            place=as_place(place),
+            end=f", which is {beyond:.1f} mm outside of the wall; move it into the vessel that is "
+            "meant.",
         )
     return int(branch[nearest])
 
