@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from trees import unbranched
 
 from SDFStentLib.files import read_surface
 from SDFStentLib.geometry import Surface, signed_volume
 from SDFStentLib.phantoms import arch_with_coarctation, branching_pulmonary_artery, straight_tube
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import line_seeds, vessel_ends
+from SDFStentLib.vessel import ends_without_line, line_seeds, vessel_ends
 
 PULMONARY = branching_pulmonary_artery()
 
@@ -110,3 +111,13 @@ def test_a_vessel_with_one_flat_end_needs_an_outlet():
     rounded[is_cap, 2] += height[is_cap]
     with pytest.raises(InputError, match="found one; name an outlet"):
         line_seeds(Surface(rounded, tube.triangles))
+
+
+@pytest.mark.parametrize(("aside", "without"), [(0.0, 0), (0.8, 0), (2.5, 2)])
+def test_a_line_that_goes_on_beyond_an_end_leads_there(aside, without):
+    """As of a surface that was cut shorter than its centerline; one beside the vessel does not."""
+    tube = straight_tube()
+    start, stop = tube.centerline.points[[0, -1]]
+    line = np.linspace(1.2 * start - 0.2 * stop, 1.2 * stop - 0.2 * start, 80)
+    line[:, 0] += aside * openings(tube)[0][1]
+    assert ends_without_line(vessel_ends(tube.surface), unbranched(line)) == without

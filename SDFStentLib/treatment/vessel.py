@@ -109,8 +109,8 @@ class Vessel:
         turn = zigzag(tuple(self.branches.values()))
         if turn > JAGGED:
             cautions.append(Caution("jagged-line", {"turn_deg": turn}))
-        tree, ends = self.centerline, vessel_ends(self.surface)
-        without = ends_without_line(ends, tree.points[[*tree.roots, *tree.leaves]])
+        ends = vessel_ends(self.surface)
+        without = ends_without_line(ends, self.centerline)
         if without:
             cautions.append(Caution("ends-without-line", {"ends": len(ends), "without": without}))
         return tuple(cautions)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..centerline import Centerline
 from ..geometry import Surface, boundary_edges, compacted, component_labels, norm
 from ..lumen import flat_caps
 from ..validation import Indices, InputError, Points, as_points
@@ -30,6 +31,8 @@ class VesselEnd(NamedTuple):
     """Edges (k, 2) of the surface around it, in the direction of the wall's faces."""
     faces: Indices
     """Triangles of its cap; none of an open end."""
+    across: Points
+    """(3,) unit vector across its plane."""
 
 
 class LineSeeds(NamedTuple):
@@ -72,9 +75,24 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     return sorted(found, key=lambda end: -end.radius)
 
 
-def ends_without_line(ends: Sequence[VesselEnd], tips: Points) -> int:
-    """Beside how many ends of a vessel no end (k, 3) of its centerline lies, mm."""
-    return sum(bool(norm(tips - end.center).min() > BESIDE_TIP * end.radius) for end in ends)
+def ends_without_line(ends: Sequence[VesselEnd], tree: Centerline) -> int:
+    """Beside how many ends of a vessel no line of its centerline ends, nor goes out there."""
+    tips = tree.points[[*tree.roots, *tree.leaves]]
+    below = np.flatnonzero(tree.parent >= 0)
+    lines = tree.points[tree.parent[below]], tree.points[below]
+    return sum(
+        norm(tips - end.center).min() > BESIDE_TIP * end.radius and not _is_crossed(end, *lines)
+        for end in ends
+    )
+
+
+def _is_crossed(end: VesselEnd, starts: Points, stops: Points) -> bool:
+    """Whether one of these pieces (k, 3) of lines goes through an end."""
+    first, last = ((points - end.center) @ end.across for points in (starts, stops))
+    crossing = np.flatnonzero((first < 0) != (last < 0))
+    share = (first[crossing] / (first[crossing] - last[crossing]))[:, None]
+    places = starts[crossing] + share * (stops[crossing] - starts[crossing])
+    return bool((norm(places - end.center) < end.radius).any())
 
 
 def line_seeds(
@@ -150,5 +168,7 @@ def _end(points: Points, rim: Indices, faces: Indices) -> VesselEnd:
     start, stop = points[rim[:, 0]], points[rim[:, 1]]
     weights = norm(stop - start)[:, None]
     center = (weights * (start + stop)).sum(axis=0) / (2 * weights.sum())
-    area = 0.5 * np.linalg.norm(np.cross(start - center, stop - center).sum(axis=0))
-    return VesselEnd(center, float(np.sqrt(area / np.pi)), rim, faces)
+    across = np.cross(start - center, stop - center).sum(axis=0)
+    twice = float(np.linalg.norm(across))
+    radius = float(np.sqrt(twice / (2 * np.pi)))
+    return VesselEnd(center, radius, rim, faces, across / max(twice, np.finfo(float).tiny))
