@@ -16,6 +16,7 @@ from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import diameter_profile
+from SDFStentLib.report.facts import contact_fact
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment, lumen_into
 from SDFStentLib.treatment.warnings import narrowed_neighbors
@@ -30,7 +31,23 @@ def test_a_stent_in_a_wider_vessel_hangs_free_over_its_whole_length():
     assert (stretch.start, stretch.end, stretch.share) == pytest.approx((0, 20, 1.0))
     assert stretch.largest_gap == pytest.approx(2.0, abs=0.1)
     assert found.free_length == pytest.approx(20)
-    assert "20.0 of its 20.0 mm" in found.sentence()
+    told = "The stent touches no wall: it hangs free over all of its 20.0 mm."
+    assert found.sentence() == told
+    assert str(contact_fact(found)) == "Contact with the wall: none over all of 20.0 mm"
+
+
+def test_a_stent_that_touches_no_wall_covers_no_branch():
+    made = phantoms.branching_pulmonary_artery()
+    tree = made.centerline
+    way = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]])
+    place = Line(way.points).at([24.0])[0]
+    settings = DeploymentSettings(certify=False)
+    found = {}
+    for diameter in (0.6, 12.0):
+        stent = Stent(diameter, length=14, placement=AtCenter(place))
+        (treated,) = Treatment(made.surface, [stent], tree, settings).result.stents
+        found[diameter] = treated.apposition.is_loose, [one.is_free for one in treated.branches]
+    assert found == {0.6: (True, [True]), 12.0: (False, [False])}
 
 
 def free_by_vtk(surface, axis, radius):

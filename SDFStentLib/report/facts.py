@@ -73,4 +73,6 @@ def contact_fact(found: Apposition) -> Fact:
     free, words = found.free_length, ALL_ROUND
     if found.stretches:
         words = f"not {ALL_ROUND} over {free:.1f} of {found.length:.1f} mm"
+    if found.is_loose:
+        words = f"none over all of {found.length:.1f} mm"
     return Fact(CONTACT, free, "mm", words)

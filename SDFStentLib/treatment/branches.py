@@ -23,21 +23,22 @@ _SPACING = 0.1
 
 
 def covered_by_all(
-    branches: Iterable[Ostium], axis: ExtendedAxis, others: Iterable[Stage]
+    branches: Iterable[Ostium], axis: ExtendedAxis, stents: Iterable[Stage]
 ) -> tuple[Ostium, ...]:
-    """The ostia beside one stent, with the share that it and others cover together.
+    """The ostia beside one stent, with the share that some cover together, which may be one.
 
     Parameters
     ----------
     branches : iterable of Ostium
     axis : ExtendedAxis
         Of the stent beside which they are.
-    others : iterable of Stage
+    stents : iterable of Stage
+        Those that cover, it or others.
     """
-    spans = [(0.0, axis.stent_length)]
-    for other in others:
-        near = axis.line.nearest(Line(other.axis.points).resampled(_SPACING).points)
-        inside = near.arc_lengths[near.distances < _APART * other.stent.radius] - axis.before
+    spans = []
+    for stent in stents:
+        near = axis.line.nearest(Line(stent.axis.points).resampled(_SPACING).points)
+        inside = near.arc_lengths[near.distances < _APART * stent.stent.radius] - axis.before
         if len(inside):
             spans.append((float(inside.min()), float(inside.max())))
     return tuple(replace(one, covered_share=one.share_within(spans)) for one in branches)

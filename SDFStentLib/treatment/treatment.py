@@ -22,7 +22,7 @@ from ..centerline import Centerline
 from ..certificate import Certificate, certify
 from ..deformation import Deployment, DeploymentSettings
 from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
-from ..lumen import DiameterProfile, bulged_caps, diameter_profile
+from ..lumen import DiameterProfile, ExtendedAxis, bulged_caps, diameter_profile
 from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
@@ -192,7 +192,7 @@ class Treatment:
     def _measured(self) -> TreatmentResult:
         after, centerline, companions = self._final
         clock = perf_counter()
-        treated = tuple(self._treated(stage, after) for stage in self._stages)
+        treated = self._all_treated(after)
         measured = perf_counter()
         indices = np.flatnonzero((after.points != self.surface.points).any(axis=1))
         certificate = self._certificate(after, indices) if self.settings.certify else None
@@ -215,14 +215,28 @@ class Treatment:
             },
         )
 
-    def _treated(self, stage: Stage, after: Surface) -> TreatedStent:
+    def _all_treated(self, after: Surface) -> tuple[TreatedStent, ...]:
+        """Every stent with what is measured of it; one that touches no wall covers no branch."""
+        found = [self._treated(stage, after) for stage in self._stages]
+        touching = [
+            stage
+            for stage, (one, _) in zip(self._stages, found, strict=True)
+            if one.apposition is None or not one.apposition.is_loose
+        ]
+        return tuple(
+            replace(one, branches=covered_by_all(one.branches, axis, touching))
+            for one, axis in found
+        )
+
+    def _treated(self, stage: Stage, after: Surface) -> tuple[TreatedStent, ExtendedAxis]:
+        """A stent, whose branches are those of its survey, and the axis of that."""
         found, left = stage.deployment.surface, stage.result.surface
         is_first = stage is self._stages[0]
         survey = self.survey if is_first else self._surveyed(stage)
         states = VesselStates(self.surface, found, left, after)
         seen = surroundings(survey, states, stage.radius_at)
         again = latest_of(stage.number, {one.number: one.stent for one in self._stages})
-        return TreatedStent(
+        treated = TreatedStent(
             number=stage.number,
             stent=stage.stent,
             axis=stage.axis,
@@ -230,14 +244,13 @@ class Treatment:
             after=seen.after.taken(survey.stations.own),
             around_before=survey.before,
             around_after=seen.after,
-            branches=covered_by_all(
-                survey.branches, survey.axis, [one for one in self._stages if one is not stage]
-            ),
+            branches=survey.branches,
             neighbors=seen.neighbors,
             apposition=seen.apposition if again == stage.number else None,
             again=None if again == stage.number else again,
             result=stage.result,
         )
+        return treated, survey.axis
 
     @cached_property
     def survey(self) -> Survey:

@@ -58,10 +58,17 @@ class Apposition:
         """Length of all stretches together, mm."""
         return float(sum(stretch.end - stretch.start for stretch in self.stretches))
 
+    @property
+    def is_loose(self) -> bool:
+        """Whether it touches the wall nowhere."""
+        return bool((self.free_share >= 1).all())
+
     def sentence(self) -> str:
         """Where it hangs free, for the user; empty when it touches all along."""
         if not self.stretches:
             return ""
+        if self.is_loose:
+            return f"The stent touches no wall: it hangs free over all of its {self.length:.1f} mm."
         where = ", ".join(
             f"{stretch.start:.1f} to {stretch.end:.1f} mm ({100 * stretch.share:.0f} % of the "
             "circumference free)"
