@@ -8,10 +8,11 @@ from pathlib import Path
 import jsonschema
 import pytest
 from test_plan import SCHEMA
-from tube_files import deploy, plan_of
+from tube_files import deploy, plan_of, write_vessel
 
 from SDFStentLib.cli import main
 from SDFStentLib.flow import Known
+from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.plan import load_plan, save_plan
 
 
@@ -230,3 +231,20 @@ def test_a_warning_of_a_plan_tells_places_in_the_unit_of_the_plan(a_folder, caps
     beside(0.15)
     assert main(["flow", *TUBE, "--plan", "beside.json", "--mean-flow", "50mL/s"]) == 0
     assert "(0, 0, 20) mm (in the file 0, 0, 2 cm), was taken" in capsys.readouterr().err
+
+
+def test_a_place_in_the_right_branch_is_in_the_unit_of_the_plan(a_folder, capsys):
+    made = branching_pulmonary_artery()
+    write_vessel(a_folder, made)
+    tree = made.centerline
+    x, y, z = (f"{value:.3f}" for value in 0.095 * tree.points[tree.leaves[0]])
+    place = {"placement": {"center": [0, 0, 1]}, "length": 5, "diameter": 12}
+    inputs = {"surface": {"file": "pa.vtp"}, "centerline": {"file": "line.vtp"}, "units": "cm"}
+    plan = plan_of(place, inputs=inputs)
+    Path("plan.json").write_text(json.dumps(plan), encoding="utf-8")
+    right = ["--mean-flow", "50mL/s", "--right", x, y, z]
+    vessel = ["flow", "pa.vtp", "--centerline", "line.vtp"]
+    assert main([*vessel, "--units", "cm", *right, "--json", "by_units.json"]) == 0
+    assert main([*vessel, "--plan", "plan.json", *right, "--json", "by_plan.json"]) == 0
+    by_units, by_plan = (read(name)["before"]["mean"] for name in ("by_units.json", "by_plan.json"))
+    assert by_units["share"] == by_plan["share"]

@@ -61,7 +61,10 @@ LISTED = 3
 
 def flow_command(options: argparse.Namespace, console: Console) -> int:
     """Tell pressures and flows before and after a plan."""
-    known = known_of(options)
+    plan = _plan(options)
+    if plan is not None:
+        console.units = plan.units
+    known = known_of(options, console.units)
     if known is None:
         raise no_flow()
     read = [options.surface, options.centerline, options.plan, options.wave, options.names]
@@ -72,7 +75,7 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
         check_suffix(path, "a report", (".json", ".html"))
         outputs.add(path, lambda made: _write(made, document))
     add_networks(outputs, options.export_0d, lambda: answer)
-    inputs, plan = _read(options, console)
+    inputs = _read(options, plan)
     # What cannot be known of this vessel is refused before anything is deployed.
     model = flow_model(inputs.vessel, known, inputs.surface.frame)
     result = None if plan is None else _deployed(plan, inputs, console)
@@ -89,14 +92,11 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _read(options: argparse.Namespace, console: Console) -> tuple[InputFiles, Plan | None]:
-    """The vessel, and the plan for it."""
+def _plan(options: argparse.Namespace) -> Plan | None:
+    """The plan, with the files that are named."""
     if options.plan is None:
-        marks = Marks(root_of(options), names=names_of(options))
-        return read_input_files(options.surface, options.centerline, options.units, marks), None
-    accept = options.accept_changed_inputs
-    plan = load_plan(options.plan, accept_changed_inputs=accept)
-    console.units = plan.units
+        return None
+    plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
     # The files may lie elsewhere than when the plan was made.
     surface, centerline = (
         InputFile(path, None if file is None else file.sha256)
@@ -106,8 +106,15 @@ def _read(options: argparse.Namespace, console: Console) -> tuple[InputFiles, Pl
         )
     )
     names = plan.names if options.names is None else load_names(options.names, plan.units)
-    plan = replace(plan, surface=surface, centerline=centerline, names=names)
-    return read_plan_inputs(plan, accept_changed_inputs=accept), plan
+    return replace(plan, surface=surface, centerline=centerline, names=names)
+
+
+def _read(options: argparse.Namespace, plan: Plan | None) -> InputFiles:
+    """The vessel."""
+    if plan is None:
+        marks = Marks(root_of(options), names=names_of(options))
+        return read_input_files(options.surface, options.centerline, options.units, marks)
+    return read_plan_inputs(plan, accept_changed_inputs=options.accept_changed_inputs)
 
 
 def _deployed(plan: Plan, inputs: InputFiles, console: Console) -> TreatmentResult:

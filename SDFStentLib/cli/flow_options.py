@@ -95,8 +95,10 @@ def add_simulate(command: argparse.ArgumentParser) -> None:
     )
 
 
-def known_of(options: argparse.Namespace) -> Known | None:
+def known_of(options: argparse.Namespace, units: str | None = None) -> Known | None:
     """What the options tell of the patient's flow; None where they tell nothing.
+
+    A place is in `units`, by default those of the options.
 
     Raises
     ------
@@ -119,7 +121,7 @@ def known_of(options: argparse.Namespace) -> Known | None:
         return None
     right = None
     if options.right is not None:
-        right = as_place(in_mm(options.right, options.units, "--right"))
+        right = as_place(in_mm(options.right, units or options.units, "--right"))
     return known_flow(mean, wave, peak=peak, right=right, **values)
 
 
