@@ -15,25 +15,11 @@ from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line
-from SDFStentLib.lumen import diameter_profile
-from SDFStentLib.report.facts import contact_fact
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment, lumen_into
 from SDFStentLib.treatment.warnings import narrowed_neighbors
 from SDFStentLib.vessel import NeighborLumen, Ostium, apposition
 from SDFStentLib.vessel.apposition import GAP
-
-
-def test_a_stent_in_a_wider_vessel_hangs_free_over_its_whole_length():
-    tube = phantoms.straight_tube(radius=9.0, length=60, edge_length=1.5)
-    found = apposition(tube.surface, [[0, 0, 20.0], [0, 0, 40.0]], 7.0)
-    (stretch,) = found.stretches
-    assert (stretch.start, stretch.end, stretch.share) == pytest.approx((0, 20, 1.0))
-    assert stretch.largest_gap == pytest.approx(2.0, abs=0.1)
-    assert found.free_length == pytest.approx(20)
-    told = "The stent touches no wall: it hangs free over all of its 20.0 mm."
-    assert found.sentence() == told
-    assert str(contact_fact(found)) == "Contact with the wall: none over all of 20.0 mm"
 
 
 def test_a_stent_that_touches_no_wall_covers_no_branch():
@@ -168,19 +154,3 @@ def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst
     assert [lumen_into(one, stents[0]) for one in stents[0].branches] == [first, other]
     assert str(told[0]).endswith("5 mm beyond its origin.")
     assert str(told[2]).endswith("5 mm beyond the end of the stent.")
-
-
-def test_the_section_at_an_ostium_is_not_that_of_the_neighbor(data_dir):
-    """Not much wider than the sphere that fits, from a junction on."""
-    from test_ostia import FORMS, vessel
-
-    for form in list(FORMS)[1:]:
-        surface, tree = vessel(data_dir, form)
-        end = tree.points[tree.leaves[0]]
-        junction = tree.points[tree.junctions[0]]
-        path = tree.path(junction, end)
-        part = path.points[: max(2, int(np.searchsorted(np.arange(len(path.points)), 120)))]
-        profile = diameter_profile(surface, part, 1.0)
-        known = np.isfinite(profile.equivalent_diameter + profile.inscribed_diameter)
-        ratio = profile.equivalent_diameter[known] / profile.inscribed_diameter[known]
-        assert ratio.max() < 1.35, form

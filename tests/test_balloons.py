@@ -11,21 +11,17 @@ import numpy as np
 import pytest
 from test_device_file import read as device_file
 from test_devices import ROW, a_device, a_table
-from test_plan import SCHEMA
 from trees import unbranched
 from tube_files import deploy
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
-from SDFStentLib.plan import Plan, load_plan, plan_from_document, plan_text, run_plan
 from SDFStentLib.report.branches import stent_branch_sentences
 from SDFStentLib.stent import (
-    AlongAxis,
     AtCenter,
     AtDistalEnd,
     AtProximalEnd,
-    Balloon,
     OfStent,
     Stent,
     balloon_by_rule,
@@ -81,17 +77,6 @@ def test_recoil_is_7_percent_and_10_in_a_narrow_lumen_or_with_a_wide_balloon(
 def ends(placement, keeps, centerline=None):
     stent = Stent(6.0, placement=placement, length=20, foreshortening_fraction=0.25, keeps=keeps)
     return stent_axis(stent, centerline).points[[0, -1], 2].tolist()
-
-
-def test_a_shortened_stent_keeps_its_center_or_one_end():
-    curve = AlongAxis([[0, 0, 0], [0, 0, 20]])
-    assert ends(curve, "center") == pytest.approx([2.5, 17.5])
-    assert ends(curve, "proximal") == pytest.approx([0, 15])
-    assert ends(curve, "distal") == pytest.approx([5, 20])
-    # Packed it is 20 mm long about the point; one of its ends stays there.
-    assert ends(CENTER, "center", a_tube()) == pytest.approx([42.5, 57.5])
-    assert ends(CENTER, "proximal", a_tube()) == pytest.approx([40, 55])
-    assert ends(CENTER, "distal", a_tube()) == pytest.approx([45, 60])
 
 
 def test_an_end_by_which_a_stent_is_placed_is_kept_and_the_other_refused():
@@ -154,25 +139,6 @@ def test_only_a_length_that_the_second_dilatation_loses_is_warned_of():
         assert told == [1, *expected]
 
 
-@pytest.mark.parametrize("third", [1, 2])
-def test_a_stent_that_was_dilated_again_is_dilated_as_it_lies_and_lies_there_once(third):
-    """Whichever of its numbers is named, from what it was, and never to less than it is by then."""
-    vessel = stenosed_tube(edge_length=1.0)
-    first = Stent(6.2, placement=AtCenter([0.0, 0, 20]), device=a_short_device())
-    other = Stent(6.5, placement=AtCenter([0.0, 0, 32]), length=6.0)
-    again = [Stent(8.0, placement=OfStent(1)), other, Stent(10.0, placement=OfStent(third))]
-    result = Treatment(vessel.surface, [first, *again], vessel.centerline).result
-    assert [stent.again for stent in result.stents] == [4, 4, None, None]
-    assert [stent.number for stent in result.final_stents] == [3, 4]
-    assert result.stents[-1].stent.placement == OfStent(2)
-    lengths = [stent.axis.deployed_length for stent in result.stents]
-    assert lengths == pytest.approx([14.8, 13.0, 5.4, 11.0])
-    assert [warning.kind for warning in result.warnings] == []
-    smaller = [first, again[0], Stent(7.0, placement=OfStent(third))]
-    with pytest.raises(InputError, match="expected more than the 8 mm of stent 2, got 7 mm"):
-        Treatment(vessel.surface, smaller, vessel.centerline)
-
-
 @pytest.mark.parametrize(
     ("second", "words"),
     [
@@ -209,43 +175,7 @@ def test_a_redilation_of_a_stent_that_is_switched_off_or_of_none_is_refused():
 # ---- documents
 
 
-def test_balloon_kept_end_and_redilation_come_back_from_a_plan_exactly():
-    jsonschema = pytest.importorskip("jsonschema")
-    balloon = Balloon(8.0, 0.1, "ä")
-    stents = (
-        Stent(balloon.lumen_diameter, placement=CENTER, length=20, balloon=balloon, keeps="distal"),
-        Stent(9.0, placement=OfStent(1)),
-    )
-    document = json.loads(plan_text(Plan(stents)))
-    jsonschema.Draft7Validator(SCHEMA).validate(document)
-    assert plan_from_document(document) == Plan(stents)
-
-
 # ---- the shell
-
-
-def test_a_balloon_leaves_the_lumen_that_is_deployed_and_three_diameters_are_told(a_folder, capsys):
-    (stent,) = reported("--balloon", "7", "--verbose", diameter=None)
-    assert stent["balloon_diameter_mm"] == 7
-    assert stent["recoil_fraction"] == 0.07
-    assert stent["lumen_diameter_mm"] == pytest.approx(6.51)
-    assert stent["reference_diameter_mm"] == pytest.approx(6.0, abs=0.1)  # of the tube
-    over = stent["diameters"]["over_stented_length"]["after"]
-    assert over["mean_mm"] == pytest.approx(6.51, rel=0.01)
-    said = capsys.readouterr().out
-    assert said.startswith("Deployed: stent of 6.51 x 18.0 mm (balloon 7 mm; 20 mm as packed, ")
-    assert "reference 5.9" in said
-    again = run_plan(load_plan("p.json"))
-    assert again.plan.stents[0].balloon.diameter == 7
-
-
-def test_a_recoil_of_ones_own_goes_with_either_way_to_give_the_balloon(a_folder):
-    (one,) = reported("--recoil", "0.05")
-    (other,) = reported("--balloon", "6", "--recoil", "0.05", diameter=None)
-    for stent in (one, other):
-        assert stent["lumen_diameter_mm"] == pytest.approx(5.7)
-        assert (stent["balloon_diameter_mm"], stent["recoil_fraction"]) == (6, 0.05)
-        assert stent["recoil_reason"] == "as given"
 
 
 def test_redilate_deploys_the_same_stent_again_with_its_new_length(a_folder, capsys):

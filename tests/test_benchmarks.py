@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import json
-import re
 import sys
 
 import pytest
@@ -70,14 +69,3 @@ def test_the_published_rule_leaves_the_lumen_that_the_paper_tells(data_dir):
 
 
 # How it is told ----------------------------------------------------------------------------------
-
-
-def test_every_benchmark_has_a_title_and_can_run_alone():
-    main = benchmark("__main__")
-    for name in main.TITLES:
-        file = PROJECT / "benchmarks" / f"{name}.py"
-        file = file if file.exists() else file.with_suffix("") / "__main__.py"
-        text = file.read_text(encoding="utf-8")
-        assert re.search(rf"python -m benchmarks\.{name}\b", text)
-        assert callable(benchmark(name).measured)
-        assert callable(benchmark(name).table)

@@ -15,7 +15,6 @@ from SDFStentLib import phantoms
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_surface
 from SDFStentLib.files.formats.mdl_faces import LARGEST, mdl_face_names
-from SDFStentLib.geometry import NamedFaces
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import branch_names, find_lesions
 
@@ -52,21 +51,6 @@ def artery():
 def a_patient(tmp_path, artery):
     write_vessel(tmp_path, artery)
     return tmp_path
-
-
-def test_without_names_faces_are_numbered_and_without_faces_branches(artery):
-    tree = artery.centerline
-    numbered = branch_names(artery.surface, tree, NamedFaces(artery.face_ids))
-    assert all(name.startswith("branch to face ") for name in numbered)
-    assert len(set(numbered)) == len(tree.branches)
-    plain = branch_names(artery.surface, tree)
-    for number, (branch, name) in enumerate(zip(tree.branches, plain, strict=True), start=1):
-        wide = 2 * np.median(tree.inscribed_radius[branch])
-        begin = tree.arc_length[branch[0]]
-        ends = "2 outlets" if number == 1 else "1 outlet"
-        assert name == f"branch {number} of {wide:.1f} mm from {begin:.0f} mm on ({ends})"
-    one_id = NamedFaces(np.ones(len(artery.triangles), dtype=int))
-    assert branch_names(artery.surface, tree, one_id) == plain
 
 
 @pytest.mark.parametrize("name", ["pulmonary", "aorta_iliac"])

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from oracle import PlainField
 from oracle import field as fold_from_the_distal_end
 
-from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.field import FOLDS, CapsuleChain, Field
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13
@@ -76,21 +75,6 @@ def test_the_field_is_the_plain_fold_on_every_axis(name, k):
     assert_equals_the_plain_fold(chain, points_round(chain))
 
 
-@pytest.mark.parametrize("capsule_length", [0.3, 2.0, 7.0])
-@pytest.mark.parametrize("name", ["hairpin", "helix"])
-def test_the_field_is_the_plain_fold_for_short_and_long_capsules(name, capsule_length):
-    chain = CapsuleChain.along(AXES[name], capsule_length=capsule_length)
-    assert_equals_the_plain_fold(chain, points_round(chain, 250))
-
-
-@pytest.mark.parametrize("name", list(ANATOMIES))
-def test_the_field_is_the_plain_fold_on_the_anatomies(data_dir, name):
-    case = anatomy_case(data_dir, name, 30, 40)
-    chain = CapsuleChain.along(case.axis)
-    nearest = np.argsort(chain.axis_distance(case.points))[:2500]
-    assert_equals_the_plain_fold(chain, np.concatenate([case.points[nearest], chain.nodes]))
-
-
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.2, 0.4, 2.0]), st.integers(2, 40))
 def test_the_field_is_the_plain_fold_on_random_walks_that_cross_themselves(seed, k, count):
@@ -128,12 +112,6 @@ def test_the_gradient_is_that_of_the_distance(name, k):
     assert np.quantile(error, 0.95) < 1e-4
     if k:
         assert error.max() < 1e-4
-
-
-def test_a_chain_is_by_itself_what_a_deployment_takes():
-    chain, settled = CapsuleChain.along(AXES["bent"]), DeploymentSettings().chain(AXES["bent"])
-    np.testing.assert_array_equal(chain.nodes, settled.nodes)
-    assert (chain.smoothing_width, chain.fold) == (settled.smoothing_width, settled.fold)
 
 
 def test_the_distance_to_one_capsule_is_known_in_closed_form():

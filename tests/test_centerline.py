@@ -18,7 +18,6 @@ ROUNDING = 1e-9
 
 INLET, FORK = np.array([0.0, 0, 0]), np.array([0.0, 0, -40])
 WIDE_OUTLET, LONG_OUTLET = np.array([20.0, 0, -60]), np.array([-30.0, 0, -70])
-SIDES = ((0.2, WIDE_OUTLET), (-0.2, LONG_OUTLET))
 
 
 def a_line(start: np.ndarray, end: np.ndarray, step: float = 1.0) -> np.ndarray:
@@ -123,29 +122,6 @@ def test_one_line_begins_at_its_wider_end_however_it_is_stored(backward, as_cell
     np.testing.assert_array_equal(alike.points[alike.roots[0]], points[0])
 
 
-def test_a_place_within_a_junction_s_sphere_says_which_branch_is_followed():
-    tree = a_fork()
-    toward = (LONG_OUTLET - FORK) / np.linalg.norm(LONG_OUTLET - FORK)
-    for distance, rules in ((2.0, ["nearest"]), (8.0, [])):
-        place = FORK + distance * toward
-        for path in (tree.path_around(place, 12.0), tree.path_from_proximal(place, 12.0)):
-            assert [choice.rule for choice in path.choices] == rules
-        assert tree.path_from_distal(place, 12.0).choices == ()
-
-
-def test_sides_in_pieces_leave_the_trunk_where_they_are_nearest_to_it():
-    """Between points of the trunk, and both at once."""
-    trunk = np.column_stack([np.zeros((11, 2)), np.linspace(0.0, 40.0, 11)])
-    sides = [[[x, 0, z], [10 * x, 0, z + 9]] for x, z in ((1.0, 10.0), (-1.0, 22.0))]
-    lines = [np.arange(11), np.array([11, 12]), np.array([13, 14])]
-    tree = Centerline.from_lines(np.concatenate([trunk, *sides]), lines, np.full(15, 3.0))
-    assert len(tree.leaves) == 3
-    for x, z in ((10.0, 19.0), (-10.0, 31.0)):
-        tip = int(np.flatnonzero((tree.points == [x, 0, z]).all(axis=1))[0])
-        way = tree.points[tree.ancestry(tip)]
-        np.testing.assert_allclose(way[[-3, -2]], [[0, 0, z - 9], [x / 10, 0, z - 9]], atol=1e-9)
-
-
 def test_a_line_that_touches_the_inside_of_a_segment_is_joined_there_without_a_gap():
     points = np.array([[0.0, 0, 0], [10, 0, 0], [5, 0, 0], [5, 60, 0], [5, -60, 0]])
     tree = Centerline.from_lines(points, [[0, 1], [3, 2, 4]], np.full(5, 0.1))
@@ -166,7 +142,7 @@ def wandering(count: int, seed: int) -> list[np.ndarray]:
     return pieces
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_no_vessel_ends_at_a_capped_inlet_where_lines_begin(seed):
     """A cap leaves no sphere there, in which the zigzag of the first points would be one place."""
     random = np.random.default_rng(seed)
@@ -195,7 +171,7 @@ def test_no_vessel_ends_at_a_capped_inlet_where_lines_begin(seed):
 
 
 @pytest.mark.parametrize("backward", [False, True])
-@pytest.mark.parametrize("seed", range(5, 13))
+@pytest.mark.parametrize("seed", range(5, 8))
 def test_lines_that_begin_at_places_of_one_inlet_cross_and_begin_there(seed, backward):
     """No end of the graph was left there: with half of these seeds the tree began at an outlet."""
     pieces = wandering(30, seed)
@@ -204,32 +180,12 @@ def test_lines_that_begin_at_places_of_one_inlet_cross_and_begin_there(seed, bac
     assert np.linalg.norm(tree.points[tree.roots] - INLET, axis=1).max() < 1.0
 
 
-def test_a_wall_tells_which_lines_run_in_one_vessel():
-    trunk = a_line(INLET, FORK)
-    beside = [np.vstack([trunk + np.array([x, 0, 0]), tip]) for x, tip in SIDES]
-    points, lines = stacked(beside)
-    turns = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    wall = [[5 * np.cos(a), 5 * np.sin(a), z] for z in range(-90, 10) for a in turns]
-    apart, together = (Centerline.from_lines(points, lines, wall=one) for one in (None, wall))
-    assert np.linalg.norm(together.points[together.junctions] - FORK, axis=1).max() < 1.0
-    assert np.linalg.norm(apart.points[apart.junctions] - FORK, axis=1).max() > 20.0
-    assert np.isnan(together.inscribed_radius).all()
-
-
 def test_pieces_too_far_apart_are_refused_with_gap_and_place():
     wide, long = fork_lines()
     points, lines = stacked([wide[:36], long[46:]])
     message = r"got 2 pieces with a gap of 10\.2 mm at \(-2.143, .* the 5 mm that are bridged there"
     with pytest.raises(InputError, match=message):
         Centerline.from_lines(points, lines, fork_radius(points))
-
-
-def test_a_plain_curve_keeps_its_points_and_starts_where_it_was_drawn_first():
-    curve = np.array([[0.0, 0, 0], [1, 2, 3], [1, 2, 3], [4, 4, 4]])
-    tree = Centerline.from_lines(curve, [[0, 1, 2, 3]])
-    np.testing.assert_array_equal(tree.points, curve[[0, 1, 3]])
-    assert tree.parent.tolist() == [-1, 0, 1]
-    assert np.isnan(tree.inscribed_radius).all()
 
 
 # ---- real files
@@ -305,17 +261,6 @@ def test_a_path_and_its_way_back_are_the_same(one, other):
     assert there.length == pytest.approx(back.length, abs=ROUNDING)
     if len(there.points) == len(back.points):
         np.testing.assert_allclose(there.points, back.reversed().points, atol=1e-8)
-
-
-def test_paths_from_an_end_go_up_or_down_and_stop_where_the_centerline_does():
-    tree = a_fork()
-    up = tree.path_from_distal(LONG_OUTLET, 10)
-    np.testing.assert_allclose(up.points[-1], LONG_OUTLET)
-    assert up.length == pytest.approx(10)
-    down = tree.path_from_proximal([0, 0, -10], 10)
-    np.testing.assert_allclose(down.points[[0, -1]], [[0, 0, -10], [0, 0, -20]], atol=ROUNDING)
-    assert tree.path_from_distal([0, 0, -10], 99).length == pytest.approx(10)
-    assert tree.path_from_proximal(WIDE_OUTLET, 9).length == 0
 
 
 # ---- degenerate input

@@ -31,20 +31,6 @@ def saved(folder, lines, name="c.vtp", frame=None, points=POINTS, radius=None):
     return path
 
 
-def test_lines_points_and_radius_are_those_of_the_file_in_millimetres(tmp_path):
-    backwards = np.arange(20)[::-1]
-    radius = {"Radius": np.linspace(1, 2, 20)}
-    path = saved(tmp_path, [backwards, [0, 5]], radius=radius)
-    for units, scale in (("mm", 1), ("cm", 10)):
-        lines = read_lines(path, units)
-        assert np.array_equal(lines.points, scale * POINTS)
-        assert np.array_equal(lines.inscribed_radius, scale * radius["Radius"])
-        assert [line.tolist() for line in lines.lines] == [backwards.tolist(), [0, 5]]
-    assert read_lines(saved(tmp_path, [backwards])).inscribed_radius is None
-    for array in (lines.points, lines.lines[0], lines.inscribed_radius):
-        assert not array.flags.writeable
-
-
 def test_an_axis_runs_as_its_cell_says(tmp_path):
     path = saved(tmp_path, [np.arange(20)[::-1]])
     assert np.array_equal(read_axis(path), POINTS[::-1])

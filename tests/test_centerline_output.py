@@ -94,14 +94,3 @@ def test_outputs_that_cannot_be_are_refused(tmp_path):
     with pytest.raises(InputError, match="expected an existing folder"):
         check_line_output(tmp_path / "none" / "a.vtp")
     assert [entry.name for entry in tmp_path.iterdir()] == ["in.vtp"]
-
-
-def test_real_centerlines_go_round_bit_by_bit(tmp_path, data_dir):
-    for name in ("pulmonary_centerline_cm", "vmtk_aorta_centerline_branches_mm"):
-        lines = read_lines(data_dir / f"{name}.vtp", "cm")
-        write_centerline(tmp_path / "a.vtp", lines, lines.points)
-        again = read_lines(tmp_path / "a.vtp", "cm")
-        assert again.points.tobytes() == lines.points.tobytes()
-        assert again.inscribed_radius.tobytes() == lines.inscribed_radius.tobytes()
-        data, expected = again.polydata().GetPointData(), lines.polydata().GetPointData()
-        assert data.GetNumberOfArrays() == expected.GetNumberOfArrays()

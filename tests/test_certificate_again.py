@@ -76,7 +76,7 @@ def bumps(points, rng, count, size):
     return after
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_whatever_was_judged_before_the_verdict_is_the_same(seed):
     made = phantom("bent_tube", edge_length=1.0)
     rng = np.random.default_rng(seed)

@@ -27,7 +27,6 @@ from SDFStentLib.cli import main
 from SDFStentLib.cli.console import Console
 from SDFStentLib.cli.option_table import path as path_of_option
 from SDFStentLib.cli.options import parser
-from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import (
     encode_vtp,
@@ -38,7 +37,7 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import StepFiles, load_plan, run_plan
-from SDFStentLib.validation import DeploymentError, InputError
+from SDFStentLib.validation import DeploymentError
 
 
 def cell_array(path, name):
@@ -199,15 +198,6 @@ def test_the_command_line_says_how_to_name_a_unit_and_to_accept_a_changed_file(a
     assert "accept the changed one (--accept-changed-inputs)" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="permissions are those of POSIX")
-def test_a_folder_without_permission_is_said(a_folder, capsys, monkeypatch):
-    monkeypatch.setattr(os, "access", lambda path, mode, **_: mode == os.R_OK)
-    assert deploy() == 2
-    assert "no permission to write" in capsys.readouterr().err
-    with pytest.raises(InputError, match="no permission to write"):
-        Outputs(folder=a_folder / "new")
-
-
 def test_a_full_disk_leaves_the_old_files_and_nothing_else(a_folder, capsys, monkeypatch):
     Path("out.vtp").write_text("old", encoding="utf-8")
 
@@ -242,19 +232,6 @@ def test_an_unexpected_error_is_one_sentence_and_debug_shows_where(a_folder, cap
     assert deploy("--report", "r.json", "--debug") == 1
     assert "Traceback" in capsys.readouterr().err
     assert left_over(a_folder) == set()
-
-
-def test_run_refuses_a_changed_input_unless_told_otherwise(a_plan, capsys):
-    document = json.loads(Path("p.json").read_text(encoding="utf-8"))
-    old = document["inputs"]["surface"]["sha256"]
-    document["inputs"]["surface"]["sha256"] = "3" * 64
-    Path("p.json").write_text(json.dumps(document), encoding="utf-8")
-    assert main(["run", "p.json", "-o", "new"]) == 2
-    said = capsys.readouterr().err
-    assert "3" * 64 in said
-    assert old in said
-    assert not Path("new").exists()
-    assert main(["run", "p.json", "-o", "new", "--accept-changed-inputs", "--quiet"]) == 0
 
 
 def test_measure_prints_a_table_or_json(a_folder, capsys):
@@ -534,11 +511,10 @@ def test_real_anatomies_get_their_diameter_in_every_centerline_form(data_dir, tm
 
 
 @pytest.mark.skipif(os.name == "nt", reason="closes streams with a POSIX shell")
-@pytest.mark.parametrize("closed", [">&-", ">&- 2>&-"])
-def test_a_closed_stream_is_no_reason_to_fail(a_folder, closed):
+def test_a_closed_stream_is_no_reason_to_fail(a_folder):
     command = [COMMAND, "deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE]
     command += ["--diameter", "6", "-o", "out.vtp"]
-    done = ended(begun("sh", "-c", f'"$@" {closed}', "sh", *command, folder=a_folder))
+    done = ended(begun("sh", "-c", '"$@" >&- 2>&-', "sh", *command, folder=a_folder))
     assert done.returncode == 0
     assert left_over(a_folder) == {"out.vtp"}
 

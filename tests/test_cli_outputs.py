@@ -33,24 +33,6 @@ def is_step(name):
     return name.startswith("step_")
 
 
-@pytest.mark.parametrize("folder_first", [False, True])
-def test_no_output_may_lie_in_a_folder_that_is_replaced(tmp_path, folder_first):
-    outputs = Outputs()
-    steps = tmp_path / "steps"
-    steps.mkdir()
-
-    def add_folder():
-        outputs.add_folder(steps, a_folder_of("new"), is_step)
-
-    def add_file():
-        outputs.add(steps / "out.vtp", writing("new"))
-
-    first, second = (add_folder, add_file) if folder_first else (add_file, add_folder)
-    first()
-    with pytest.raises(InputError, match=r"steps alone.*got one with out\.vtp; name another"):
-        second()
-
-
 def test_no_input_may_lie_in_a_folder_that_is_replaced(tmp_path):
     (tmp_path / "steps").mkdir()
     source = tmp_path / "steps" / "step_0000.vtp"

@@ -22,7 +22,6 @@ def of(data_dir, words):
     ("more", "first"),
     [
         ([], "18.0 mm (20 mm as packed, 10 % shorter once expanded: the usual share, assumed"),
-        (["--foreshortening", "0.2"], "16.0 mm (20 mm as packed, 20 % shorter once expanded: as g"),
         (["--foreshortening", "0.0661765"], "18.7 mm (20 mm as packed, 6.62 % shorter once expan"),
         (["--foreshortening", "0"], "20.0 mm.\n"),
     ],
@@ -82,10 +81,6 @@ def test_a_deployment_in_a_tree_takes_eight_lines_and_all_of_it_more(data_dir, a
     assert out[6].startswith("Wrote ")
     warnings = json.loads(Path("r.json").read_text(encoding="utf-8"))["warnings"]
     assert f"And {len(warnings) - len(err)} more: --verbose tells them." in err[-1]
-    assert main([*words, "--verbose"]) == 0
-    said = capfd.readouterr()
-    assert len(said.err.splitlines()) == len(warnings)
-    assert len(said.out.splitlines()) > 10
 
 
 def test_the_demo_and_compared_plans_take_eight_lines_each(a_folder, capfd):
@@ -135,11 +130,6 @@ def test_of_an_unknown_option_the_nearest_and_the_help_of_the_command_are_told(
     said = capsys.readouterr().err
     assert said.startswith(f"sdfstent {command}: unrecognized arguments: ")
     assert said.endswith(f", the nearest option is {option}; see sdfstent {command} --help.\n")
-
-
-def test_of_an_option_that_is_like_no_other_none_is_told(capsys):
-    assert main(["run", "x", "-o", "y", "--report", "r.html"]) == 2
-    assert "unrecognized arguments: --report r.html; see" in capsys.readouterr().err
 
 
 def test_help_tells_what_everyone_needs_and_where_the_rest_is(capsys):

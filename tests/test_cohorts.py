@@ -14,10 +14,8 @@ from cohort_cases import PLAN, bytes_of, sweep_in, tube_folder
 
 from SDFStentLib import InputError, Plan, Stent, plan_report, read_surface, run_plan
 from SDFStentLib.cohort import Cases, Cohort, run_sweep, write_manifest
-from SDFStentLib.cohort.moved import decoded, encoded
+from SDFStentLib.cohort.moved import decoded
 from SDFStentLib.cohort.store import Store
-from SDFStentLib.files import encode_vtp, polydata_from_arrays
-from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.stent import AtCenter, InputFile
 
 
@@ -88,13 +86,10 @@ def test_a_case_holds_what_the_plan_gives_by_itself(folder, whole):
     assert [file["file"] for file in report["inputs"]] == ["tube.vtp", "line.vtp"]
 
 
-@pytest.mark.parametrize("order", ["shuffled", "processes"])
-def test_every_executor_in_any_order_gives_the_same_bytes(folder, whole, tmp_path, order):
-    sweep, out = sweep_in(folder), folder / f"by {order}"
-    if order == "shuffled":
-        run_sweep(sweep, out, executor=Shuffled())
-    else:
-        run_sweep(sweep, out, workers=2)
+def test_an_executor_in_any_order_gives_the_same_bytes(folder, whole):
+    """Processes do, too: see `test_sweep_faults.py`."""
+    out = folder / "shuffled"
+    run_sweep(sweep_in(folder), out, executor=Shuffled())
     found, wanted = bytes_of(out), bytes_of(whole)
     assert sorted(found) == sorted(wanted)
     assert [name for name in wanted if found[name] != wanted[name]] == []
@@ -109,23 +104,6 @@ def test_the_whole_surface_comes_back_from_its_moved_points_bit_by_bit(folder, w
         stored = read_surface(original, "cm")
         np.testing.assert_array_equal(kept.points(case), stored.points)
         np.testing.assert_array_equal(full.points(case), stored.points)
-
-
-@pytest.mark.parametrize("units", ["mm", "cm", "m"])
-def test_a_surface_of_double_precision_comes_back_exactly_too(tmp_path, units):
-    from SDFStentLib.units import MILLIMETERS
-
-    vessel = stenosed_tube(edge_length=1.2)
-    points = vessel.points + np.random.default_rng(5).normal(0, 1e-3, vessel.points.shape)
-    wall = polydata_from_arrays(points / MILLIMETERS[units], vessel.triangles)
-    (tmp_path / "tube.vtp").write_bytes(encode_vtp(wall))
-    surface = read_surface(tmp_path / "tube.vtp", units)
-    assert surface.coordinate_type == np.float64
-    indices = np.arange(0, len(points), 3)
-    coordinates = surface.points[indices] * 1.01 + 1 / 3
-    back = decoded(encoded(surface, indices, coordinates))
-    np.testing.assert_array_equal(back.indices, indices)
-    np.testing.assert_array_equal(back.coordinates, coordinates)
 
 
 def test_damaged_moved_points_are_refused(moved):

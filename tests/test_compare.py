@@ -16,8 +16,6 @@ from SDFStentLib.cli import main
 from SDFStentLib.plan import compare, load_plan
 from SDFStentLib.report import comparison_document, comparison_page, comparison_pictures
 from SDFStentLib.report.picture import painting
-from SDFStentLib.report.picture.drawing import Words
-from SDFStentLib.report.picture.picture import alternatives_scene
 from SDFStentLib.validation import DeploymentError
 
 MIDDLE = {"center": [0, 0, 2]}  # cm; the throat of the tube
@@ -150,30 +148,6 @@ def test_the_page_shows_the_numbers_of_every_run(a_run_folder):
 # The picture
 
 
-def test_all_panels_have_one_camera_and_one_scale_of_colors(a_run_folder, monkeypatch):
-    monkeypatch.chdir(a_run_folder)
-    results = compare({name: load_plan(f"{name}.json") for name in PLANS}).results
-    drawing, panels = alternatives_scene(results)
-    assert [panel.column for panel in panels] == [0, 1, 2, 3]
-    assert all(panel.view is panels[0].view for panel in panels)
-    np.testing.assert_array_equal(panels[0].points, results["one"].inputs.surface.points)
-    for panel, result in zip(panels[1:], results.values(), strict=True):
-        np.testing.assert_array_equal(panel.points, result.treatment.points)
-    words = [mark.text for mark in drawing.marks if isinstance(mark, Words)]
-    assert [one for one in words if one in ("Before", *PLANS)] == ["Before", *PLANS]
-    least = results["wide"].treatment.stents[0].after.minimum
-    assert f"1 stent, minimum lumen {least:.1f} mm" in words
-
-
-def test_five_plans_go_on_two_sheets_with_a_picture_each(a_folder):
-    plans = {f"plan {d}": plan_of(a_stent(d)) for d in (5, 5.5, 6, 6.5, 7)}
-    names = written(a_folder, **plans)
-    assert main(["compare", *names, "-o", "page.html", "--quiet"]) == 0
-    page = Page((a_folder / "page.html").read_text(encoding="utf-8"))
-    assert [len(row) for row in page.rows if row[0] == "Plan\n"] == [4, 3]
-    assert page.images == 2
-
-
 # What cannot be compared
 
 
@@ -207,15 +181,6 @@ def test_a_plan_without_centerline_is_compared_and_its_lesions_were_not_looked_f
     assert main(["compare", *names, "-o", "out", "--quiet"]) == 0
     _, rows = page_of(a_folder)
     assert "that takes a centerline" in rows["Stenosis left of lesion 1"][1]
-
-
-def test_inputs_are_not_overwritten_and_old_pages_are(a_folder, capsys):
-    names = written(a_folder, one=PLANS["one"], wide=PLANS["wide"])
-    assert main(["compare", *names, "-o", "one.json"]) == 2
-    assert "expected a folder, got a file" in capsys.readouterr().err
-    (a_folder / "page.html").write_text("old", encoding="utf-8")
-    assert main(["compare", *names, "-o", "page.html", "--quiet"]) == 0
-    assert "plans compared" in (a_folder / "page.html").read_text(encoding="utf-8")
 
 
 def test_json_is_printed_and_is_the_document(a_folder, capsys):

@@ -15,13 +15,11 @@ from tube_files import deploy
 from SDFStentLib.cli import main
 from SDFStentLib.geometry import Line
 from SDFStentLib.plan import (
-    Plan,
     device_named,
     device_table,
     from_document,
     load_plan,
     plan_from_document,
-    plan_text,
     run_plan,
     to_document,
 )
@@ -84,28 +82,6 @@ def test_no_shipped_row_says_how_a_product_shortens_but_the_one_whose_source_doe
     known = [d for d in named if d.lengths or d.foreshortening_fraction is not None]
     assert [(d.name, d.foreshortening_fraction) for d in known] == [("gore-vbx", 0.0)]
     assert [d.name for d in named if d.maximum_diameter is not None] == []
-
-
-def test_the_users_rows_come_behind_and_in_place_of_those_of_the_same_name(tmp_path, a_table_file):
-    own = device_table(a_table_file)
-    assert [d.name for d in own] == [*(d.name for d in device_table()), "bench-34", "bench-16"]
-    path = tmp_path / "other.json"
-    table = a_table({"name": "Generic", "generic": True, "foreshortening_fraction": 0.2})
-    path.write_text(table, encoding="utf-8")
-    assert len(device_table(path)) == len(device_table())
-    assert device_named("generic", path).foreshortening_at(9) == 0.2
-
-
-def test_a_name_is_found_in_any_case_and_near_ones_are_offered():
-    assert device_named("NuMED-CP") is device_named("numed-cp")
-    with pytest.raises(
-        InputError, match=r"expected a known one \(such as numed-cp\), got 'numed cp'"
-    ):
-        device_named("numed cp")
-    with pytest.raises(
-        InputError, match=r"expected a known one \(generic, .*gore-vbx.*\), got 'x'"
-    ):
-        device_named("x")
 
 
 # ---- what is refused
@@ -244,23 +220,6 @@ def test_only_what_a_row_has_is_told_as_of_its_source(name, size, words):
 
 
 # ---- documents
-
-
-def test_a_device_comes_back_from_its_row_and_from_a_plan_exactly():
-    for device in (*device_table(), a_device(covered=False, cell="hybrid", verified=True)):
-        row = json.loads(json.dumps(to_document(device)))
-        assert from_document(Device, row, "row") == device
-        stent = Stent(
-            9.0 if not device.lengths else 15.0,
-            placement=CENTER,
-            length=device.nominal_length or 20.0,
-            device=device,
-            foreshortening_fraction=None if device.lengths else 0.0,
-        )
-        document = json.loads(plan_text(Plan((stent,))))
-        assert plan_from_document(document) == Plan((stent,))
-        assert hash(plan_from_document(document)) == hash(Plan((stent,)))
-    assert to_document(None) is None
 
 
 def test_the_schema_knows_the_keys_and_the_rows_of_the_table():

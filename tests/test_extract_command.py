@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from child_processes import PROJECT
-from deployment_cases import ANATOMIES
 from mesh_files import read_vtk
 from tube_files import deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -153,35 +152,6 @@ def test_files_of_others_are_not_replaced(a_folder, capsys):
     assert Path("seg/thesis.txt").read_text(encoding="utf-8") == "mine"
 
 
-def test_branches_are_kept_or_closed(data_dir, tmp_path, capsys):
-    surface, line, units = ANATOMIES["pulmonary"]
-    files = [str(data_dir / surface), "--centerline", str(data_dir / line), "--units", units]
-    ends = ["--from", "2.966", "-6.2", "6.4", "--to", "-2.33", "-0.28", "4.0"]
-    volumes = []
-    for name, more, own in (
-        (
-            "kept",
-            [],
-            ["inlet", "outlet_branch_to_face_5", "outlet_face_3", "wall_face_1", "wall_face_2"],
-        ),
-        (
-            "closed",
-            ["--close-branches"],
-            ["inlet", "outlet", "closed", "wall_face_1", "wall_face_2"],
-        ),
-    ):
-        out = tmp_path / name
-        assert main(["extract", *files, *ends, "-o", str(out), *more]) == 0
-        assert_faces_are_the_exterior(out / "before", own)
-        document = json.loads((out / "segment.json").read_text(encoding="utf-8"))
-        assert [plane["closed"] for plane in document["planes"]] == [False, False, True][
-            : len(document["planes"])
-        ]
-        volumes.append(document["before"]["volume"])
-    assert volumes[1] < volumes[0]
-    assert capsys.readouterr().err == ""
-
-
 def meshed(surface):
     tetgen = pytest.importorskip("tetgen")
     mesher = tetgen.TetGen(surface.points, surface.triangles.astype(np.int32))
@@ -283,14 +253,3 @@ def test_a_segment_round_a_stent_is_closed_by_the_same_planes(data_dir, a_folder
         assert_faces_are_the_exterior(Path("seg") / state, [face["name"] for face in faces])
         assert [face["kind"] for face in faces].count("outlet") == 1
     assert document["after"]["volume"] > 1.5 * document["before"]["volume"]
-
-
-def test_places_that_a_refusal_names_can_be_chosen(data_dir, a_folder, capsys):
-    """Both at once; told one by one the second was refused after the first had been mended."""
-    ends = ["--from", "7.128", "-95.3", "-48.51", "--to", "13.68", "-65.98", "-70.01"]
-    assert patient(data_dir, *ends, "--close-branches") == 2
-    error = capsys.readouterr().err
-    first, second = re.findall(r"segment (?:start|end):.*?, to \((.*?)\) mm", error)
-    again = ["--from", *first.split(", "), "--to", *second.split(", ")]
-    assert patient(data_dir, *again, "--close-branches") == 0
-    assert capsys.readouterr().err == ""

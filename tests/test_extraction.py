@@ -128,9 +128,8 @@ def tube(tmp_path):
     return tmp_path / "tube.vtp"
 
 
-@pytest.mark.parametrize("body", ["import os; os.abort()", "raise SystemExit(0)", "1 / 0"])
-def test_a_vmtk_that_ends_its_process_costs_a_sentence(tmp_path, tube, body):
-    out = tmp_path / "lines.vtp"
+def test_a_vmtk_that_ends_its_process_costs_a_sentence(tmp_path, tube):
+    out, body = tmp_path / "lines.vtp", "import os; os.abort()"
     run = command("centerline", tube, "--units", "cm", "-o", out, **pretended_vmtk(tmp_path, body))
     assert run.returncode == 2
     assert run.stderr.startswith("sdfstent centerline: no centerline found (VMTK ended with code")

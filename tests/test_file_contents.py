@@ -7,7 +7,6 @@ import stat
 
 import numpy as np
 import pytest
-from child_processes import python
 from hypothesis import given
 from hypothesis import strategies as some
 
@@ -113,23 +112,3 @@ def test_a_folder_without_permission_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(InputError, match="no permission to write"):
         check_writable(tmp_path / "out")
-
-
-def test_a_full_disk_is_one_sentence_and_leaves_the_old_file(tmp_path):
-    # A limit on the size of files fails in the same place as a full disk.
-    target = tmp_path / "out"
-    target.write_bytes(b"old")
-    script = """
-import resource, sys
-from SDFStentLib.files.atomic import write_bytes
-from SDFStentLib.validation import InputError
-resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-try:
-    write_bytes(sys.argv[1], b"x" * 100_000)
-except InputError as error:
-    print(error)
-"""
-    run = python(script, target)
-    assert "cannot be written (File too large); free space" in run.stdout
-    assert target.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [target]

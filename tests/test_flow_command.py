@@ -90,15 +90,6 @@ def test_without_a_plan_and_pressures_only_drops_before_are_told(flow, capsys):
     assert "Without pressures the split is as given" in said
 
 
-@pytest.mark.parametrize("flow_text", ["-3L/min", "-3.L/min", "-.5mL/s"])
-def test_a_negative_flow_is_refused_as_a_flow(flow, capsys, flow_text):
-    assert flow("--mean-flow", flow_text, "--json", "f.json") == 2
-    said = capsys.readouterr().err
-    assert "--mean-flow" in said
-    assert "expected a number greater than 0" in said
-    assert not Path("f.json").exists()
-
-
 def test_what_no_vessel_of_this_kind_can_have_is_refused_before_anything_is_deployed(
     flow, capsys, monkeypatch
 ):
@@ -191,16 +182,6 @@ def test_an_exported_network_needs_a_plan_with_a_flow(flow, capsys):
     assert main(["run", flow.plan, "-o", "out", "--export-0d", "nets"]) == 2
     assert "expected a plan with a flow for --export-0d" in capsys.readouterr().err
     assert not list(Path().iterdir())
-
-
-def test_a_drop_that_is_next_to_nothing_is_no_minus_zero():
-    from SDFStentLib.report import flow_moments
-
-    band = {"value": -0.0004, "low": -0.02, "high": 0.004}
-    drop = {"name": "stent 1", "recovered_mmhg": band, "maximal_mmhg": band}
-    moment = {"flow_ml_s": 5.0, "inlet_mmhg": None, "share": {}, "narrowings": [drop]}
-    ((_, ((_, words),)),) = flow_moments({"before": {"mean": moment}, "after": None})
-    assert words.startswith("recovered 0.00 (-0.02 to 0.00) mmHg")
 
 
 def beside(x):

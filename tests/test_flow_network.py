@@ -177,7 +177,7 @@ def test_narrowings_on_both_sides_of_any_share_tell_nearly_the_same():
         assert (high - low, costs[high] / costs[low]) < (2, 1.06)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(10, 40))
 def test_no_part_of_a_vessel_gives_back_what_is_lost(seed):
     """Not one in the jet of a narrowing before it either, of which it spares some."""
     rng = np.random.default_rng([seed, 9])
@@ -238,7 +238,7 @@ def lost_to_outlets(channels):
     return flow / 40e-6, np.sort(lost) / MMHG
 
 
-@pytest.mark.parametrize("seed", seeds(2, 4))
+@pytest.mark.parametrize("seed", seeds(1, 4))
 def test_lines_that_wander_in_their_lumen_tell_the_same_flow(a_tree, seed):
     made, (shares, lost) = a_tree
     assert shares == pytest.approx(8 * [1 / 8], rel=0.03)
@@ -378,11 +378,6 @@ def test_a_solver_that_dies_or_does_not_converge_is_a_sentence(a_fork, monkeypat
 def test_a_flow_without_a_unit_or_none_is_refused(text):
     with pytest.raises(InputError, match="flow"):
         flow_value(text)
-
-
-def test_pressures_that_cannot_drive_the_flow_are_refused(a_fork):
-    with pytest.raises(InputError, match="expected more than the vessel itself costs"):
-        answer_of(a_fork, 200.0, inlet=10.2, wedge=10.0)
 
 
 def test_a_place_in_the_right_branch_lies_in_the_vessel(a_fork):

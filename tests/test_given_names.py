@@ -12,7 +12,7 @@ from SDFStentLib import phantoms
 from SDFStentLib.cli import main
 from SDFStentLib.plan import load_plan, save_plan
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import VesselName, branch_names, find_lesions, given_names
+from SDFStentLib.vessel import VesselName, given_names
 
 LEFT, RIGHT, MAIN = 3, 4, 2
 """Faces of the phantom's ends."""
@@ -144,25 +144,6 @@ def test_a_name_holds_along_its_vessel_up_to_the_next_one(a_tree):
         ]
         two = given_names(surface, tree, both)
         assert (two[above], two[last]) == ("upper", "lower")
-
-
-def test_a_place_near_the_wall_names_the_vessel_in_whose_lumen_it_lies(artery):
-    """Half a radius from the wall of the trunk, beside the ostium of the right branch."""
-    tree = artery.centerline
-    place = artery.axis_at(8.0)[0] + [4.0, 0.0, 0.0]
-    named = given_names(artery.surface, tree, [VesselName("MPA", tuple(place.tolist()))])
-    roots = [tree.parent[branch[0]] < 0 for branch in tree.branches]
-    assert [name == "MPA" for name, is_root in zip(named, roots, strict=True) if is_root] == [True]
-
-
-def test_names_of_the_user_come_before_those_of_faces(artery):
-    tree = artery.centerline
-    mine = given_names(artery.surface, tree, [VesselName("RPA", RIGHT)], artery.faces)
-    names = branch_names(artery.surface, tree, artery.faces, mine)
-    assert sorted(names) == ["RPA", "left pulmonary artery", "main pulmonary artery"]
-    assert not given_names(artery.surface, tree, [], artery.faces)
-    (lesion,) = find_lesions(artery.surface, tree, artery.faces, mine)
-    assert lesion.branch_name == "left pulmonary artery"
 
 
 def test_places_of_a_plan_are_turned_with_its_frame(a_patient, artery):

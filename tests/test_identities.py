@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
-from SDFStentLib.geometry import Line, Surface
+from SDFStentLib.geometry import Line
 
 DEFAULT = DeploymentSettings()
 PUBLISHED = DeploymentSettings.published()
@@ -73,9 +73,10 @@ PHANTOMS = ("bent_tube", "helix_tube", "branching_pulmonary_artery", "hairpin_tu
 @pytest.mark.parametrize(
     ("frame", "vessel", "name"),
     [
-        *product(["reversed", "turned and reversed"], STENTS, ["default", "preview"]),
-        *product(["reversed"], PHANTOMS, ["default"]),
-        *product(["mirrored"], [PHANTOMS[2], "pulmonary", "vmtk_aorta"], ["default", "published"]),
+        *product(["turned and reversed"], STENTS, ["default"]),
+        ("reversed", "pulmonary", "preview"),
+        ("reversed", PHANTOMS[3], "default"),
+        *product(["mirrored"], [PHANTOMS[2], "pulmonary"], ["default", "published"]),
         ("far away", PHANTOMS[2], "default"),
         ("far away, as published", PHANTOMS[2], "published"),
     ],
@@ -88,13 +89,6 @@ def test_where_a_vessel_lies_and_where_its_stent_begins_does_not_matter(
     points, axis = case.points @ matrix.T + shift, case.axis[::way] @ matrix.T + shift
     found = deployed(case, SETTINGS[name], points=points, axis=axis)
     np.testing.assert_allclose((found - shift) @ matrix, wanted, rtol=0, atol=apart)
-
-
-@pytest.mark.parametrize("vessel", STENTS)
-def test_as_published_the_direction_of_the_axis_matters_in_bends_only_a_little(data_dir, vessel):
-    case, there = plain(vessel, "published", data_dir)
-    back = deployed(case, PUBLISHED, axis=case.axis[::-1])
-    assert 0 < np.linalg.norm(there - back, axis=1).max() < 0.5
 
 
 @pytest.mark.parametrize("scale", [0.5, 3.0])
@@ -160,25 +154,10 @@ def test_the_order_of_points_and_triangles_does_not_matter(case, name):
     np.testing.assert_allclose(shuffled[number], deployed(case, SETTINGS[name]), atol=1e-7)
 
 
-@both
-def test_the_input_is_never_modified(case, name):
-    points, triangles = np.array(case.points), np.array(case.triangles)
-    axis, companions = np.array(case.axis), np.array(case.axis) + np.array([0, 0, 4.0])
-    copies = [array.copy() for array in (points, triangles, axis, companions)]
-    chain = SETTINGS[name].chain(axis)
-    vessel = Surface(points, triangles)
-    run = Deployment(vessel, chain, case.radius, SETTINGS[name], companions=companions)
-    assert len(run.result.points) == len(points)
-    for array, copy in zip((points, triangles, axis, companions), copies, strict=True):
-        np.testing.assert_array_equal(array, copy)
-
-
 @pytest.mark.parametrize(
     ("vessel", "winding"),
     [
         ("branching_pulmonary_artery", "flipped"),
-        ("branching_pulmonary_artery", "mixed"),
-        ("tube_with_neighbor", "flipped"),
         ("tube_with_neighbor", "mixed"),
         ("tube_with_neighbor", "one vessel flipped"),
     ],
@@ -200,13 +179,6 @@ def test_the_winding_of_the_input_does_not_matter(vessel, winding):
         rtol=0,
         atol=1e-9,
     )
-
-
-def test_the_finer_resampling_of_the_same_axis_gives_the_same_deployment(case):
-    finer = deployed(case, DEFAULT, axis=Line(case.axis).resampled_to(2001).points)
-    # Capsules are resampled from the given line; chords of 0.1 mm against 0.01 mm differ in
-    # length by 1e-5.
-    np.testing.assert_allclose(finer, deployed(case, DEFAULT), rtol=0, atol=1e-3)
 
 
 @settings(max_examples=6, deadline=None, derandomize=True)

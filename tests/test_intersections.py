@@ -246,20 +246,6 @@ def test_random_touching_tetrahedra_agree_with_exact_rationals(seed):
         assert set(selected) <= set(self_intersecting_triangles(points, triangles).tolist())
 
 
-def test_a_large_triangle_among_many_small_ones_is_found():
-    rng = np.random.default_rng(2)
-    spread = rng.uniform(0, 100, (3000, 1, 3))
-    points = (spread + 0.05 * rng.normal(size=(3000, 3, 3))).reshape(-1, 3)
-    points = np.vstack([points, [[-200, -200, 50], [400, -200, 50], [50, 400, 50]]])
-    triangles = np.arange(9003).reshape(-1, 3)
-    low, high = points[:, 2][triangles].min(axis=1), points[:, 2][triangles].max(axis=1)
-    crossing = np.flatnonzero((low <= 50) & (high >= 50))
-    found = self_intersecting_triangles(points, triangles)
-    assert len(crossing) > 1
-    assert set(crossing) <= set(found.tolist())
-    assert np.array_equal(self_intersecting_triangles(points, triangles, [3000]), crossing)
-
-
 # ----------------------------------------------------------------------- real vessels and MeshLab
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Surface
-from SDFStentLib.lumen import known_lumen, measured_at, measured_once, open_at_ends
+from SDFStentLib.lumen import measured_at, measured_once, open_at_ends
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment
@@ -21,19 +21,6 @@ from SDFStentLib.treatment import Treatment
 @pytest.fixture
 def a_tube():
     return stenosed_tube()
-
-
-@pytest.fixture
-def asked(monkeypatch):
-    """How many stations were measured, each time."""
-    counts = []
-
-    def counted(surface, points, directions, wall):
-        counts.append(len(points))
-        return measured_at(surface, points, directions, wall)
-
-    monkeypatch.setattr(known_lumen, "measured_at", counted)
-    return counts
 
 
 def test_what_was_measured_with_a_cap_is_not_taken_for_what_has_none(a_tube):
@@ -47,36 +34,6 @@ def test_what_was_measured_with_a_cap_is_not_taken_for_what_has_none(a_tube):
     plain = measured_at(a_tube.surface, points, along, without.triangles)
     np.testing.assert_array_equal(opened.spheres.radii, plain.spheres.radii)
     assert (opened.spheres.radii != capped.spheres.radii).any()
-
-
-def test_what_another_thread_forgets_meanwhile_is_not_missed(a_tube, monkeypatch):
-    points = np.column_stack([np.zeros(8), np.zeros(8), np.linspace(10, 25, 8)])
-    along = np.tile([0.0, 0.0, 1.0], (8, 1))
-    plain = measured_once(a_tube.surface, points[:5], along[:5])
-
-    def forgetful(surface, points, directions, wall):
-        measured = measured_at(surface, points, directions, wall)
-        known_lumen._known[surface].clear()
-        return measured
-
-    monkeypatch.setattr(known_lumen, "measured_at", forgetful)
-    found = measured_once(a_tube.surface, points, along)
-    np.testing.assert_array_equal(found.spheres.radii[:5], plain.spheres.radii)
-    np.testing.assert_array_equal(found.equivalent[:5], plain.equivalent)
-    assert (found.spheres.radii[5:] > 0).all()
-
-
-def test_another_diameter_is_tried_without_measuring_the_vessel_again(a_tube, asked):
-    def tried(diameter):
-        stent = Stent(diameter, placement=AtCenter([0, 0, 20.0]), length=12.0)
-        settings = DeploymentSettings(certify=False)
-        return Treatment(a_tube.surface, [stent], a_tube.centerline, settings).result.stents[0]
-
-    first, second = tried(6.0), tried(6.5)
-    assert sum(asked[1:]) < 10  # neighbors are measured where each stent narrows them
-    before = first.around_before, second.around_before
-    np.testing.assert_array_equal(before[0].inscribed_diameter, before[1].inscribed_diameter)
-    assert second.after.minimum > first.after.minimum
 
 
 def test_the_surroundings_of_a_place_are_surveyed_once_for_all_diameters(a_tube):

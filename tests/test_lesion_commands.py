@@ -7,28 +7,25 @@ import json
 import re
 from functools import cache
 from html import unescape
-from pathlib import Path
 
 import numpy as np
 import pytest
-from deployment_cases import ANATOMIES, anatomy, phantom
+from deployment_cases import ANATOMIES, anatomy
 from tube_files import write_vessel
 
-from SDFStentLib.centerline import JAGGED, zigzag
 from SDFStentLib.cli import main
 from SDFStentLib.files import (
     encode_vtp,
     polydata_from_arrays,
     polydata_from_lines,
-    read_centerline,
     read_surface,
 )
-from SDFStentLib.geometry import Line, Surface
+from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.report.html import html_page
 from SDFStentLib.stent import AtDistalEnd, Stent, stent_axis
-from SDFStentLib.treatment import placement_at, treated_lesions
+from SDFStentLib.treatment import placement_at
 from SDFStentLib.vessel import find_lesions, lesions_within
 
 LENGTHS = (8.0, 12.0, 20.0, 30.0, 40.0)
@@ -185,17 +182,6 @@ def test_a_placement_covers_its_lesion_whatever_the_length_and_the_branch(data_d
             assert np.linalg.norm(middle - lesion.line.resampled_to(101).points[50]) < 1.0
 
 
-def test_of_a_lesion_of_which_nothing_is_left_nothing_lies_beyond_the_stents():
-    """It read "none (7 % above reference). What is left is narrowest beyond the stent's ends."."""
-    made = phantom("stenosed_tube", edge_length=0.8)
-    lesions = find_lesions(made.surface, made.centerline)
-    for widened, is_left in ((1.0, True), (2.0, False)):
-        after = Surface(made.points * [widened, widened, 1.0], made.triangles)
-        (one,) = treated_lesions(lesions, (), after)
-        assert (one.after.percent_diameter > 1) == is_left
-        assert one.is_left_beyond == is_left
-
-
 def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path, capsys):
     """A lesion of 35 mm under a stent of 18 mm; of 20 % that are left the stent is not to blame."""
     place = ["--at-lesion", 1, "--length", 20, "--diameter", 9]
@@ -258,19 +244,6 @@ def test_a_stent_that_covers_no_lesion_says_so_and_gives_no_percentage(tube, tmp
     assert report["lesions"][0]["stents"] == []
     assert "covers no lesion of 15 % or more" in (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "stenosis" not in json.dumps(report["stents"])
-
-
-def test_without_a_centerline_the_report_says_that_lesions_were_not_looked_for(
-    tube, folder, tmp_path, capsys
-):
-    place = [tube[0], "--units", "cm", "--axis", folder / "tube_line.vtp", "--length", 20]
-    said, report = deployed(
-        [*place, "--diameter", 6, "--report", tmp_path / "r.html"], tmp_path, capsys
-    )
-    assert "Lesions were not looked for" in said
-    assert report["lesions"] is None
-    assert report["stents"][0]["lesions"] is None
-    assert "Lesions were not looked for" in Path(tmp_path / "r.html").read_text(encoding="utf-8")
 
 
 # the user's own reference
@@ -393,14 +366,6 @@ def test_triangles_that_share_no_points_are_refused_for_what_they_are(folder, tu
         assert main([command[0], str(folder / "apart.vtp"), *tube[1:], *command[1:]]) == 2
         assert "share none" in capsys.readouterr().err
     assert not wanted.exists()
-
-
-@pytest.mark.parametrize("path", ["pulmonary_centerline_cm.vtp", "su0243_centerline_mm.vtp"])
-def test_no_line_of_an_anatomy_is_jagged(data_dir, path):
-    tree = read_centerline(data_dir / path, path[-6:-4])
-    assert zigzag([Line(tree.points[branch]) for branch in tree.branches]) < JAGGED / 5
-    few = Line(np.stack([np.cos([0, 1, 2, 3]), np.sin([0, 1, 2, 3]), np.zeros(4)], axis=1))
-    assert zigzag([few]) == 0  # a bend of few points
 
 
 def test_ends_to_which_no_line_leads_are_told(folder, capsys):

@@ -88,7 +88,12 @@ def dense_lines(kind, count):
 
 
 @pytest.mark.parametrize(
-    ("kind", "count"), [("line", 300_000), ("fork", 100_000), ("cells", 100_000)]
+    ("kind", "count"),
+    [
+        pytest.param("line", 300_000, marks=pytest.mark.bench),
+        ("fork", 100_000),
+        pytest.param("cells", 100_000, marks=pytest.mark.bench),
+    ],
 )
 def test_dense_centerlines_are_worked_off_and_written_with_every_point(
     folder, in_time, kind, count
@@ -107,7 +112,7 @@ def test_dense_centerlines_are_worked_off_and_written_with_every_point(
     assert stent["axis"]["length_mm"] == pytest.approx(9.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("method", ["grid", "sobol"])
+@pytest.mark.parametrize("method", [pytest.param("grid", marks=pytest.mark.bench), "sobol"])
 def test_a_dry_run_of_9_million_cases_needs_no_room_for_them(folder, method):
     axes = {"diameter": (5, 7, 300), "distance": (15, 25, 300), "length": (5, 10, 100)}
     if method == "grid":

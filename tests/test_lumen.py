@@ -63,12 +63,6 @@ def test_the_correction_is_the_mean_inflation_on_the_real_axis(bend):
     assert radius_correction(chain, radius) == pytest.approx(expected, abs=0.002)
 
 
-def test_the_papers_correction_cannot_swallow_a_thin_stent():
-    made = phantom("stenosed_tube", edge_length=1.0)
-    settings = DEFAULT.with_changes(calibration="paper", smoothing_width=4.0)
-    assert deployment_in(made, 10, 20, 1.2, settings).target_level == 0.6
-
-
 # The finish ------------------------------------------------------------------------------------
 
 
@@ -97,9 +91,6 @@ def test_the_finish_takes_the_contact_tolerance_away(rule, tolerance):
     away = deployment.chain.axis_distance(deployment.result.points[body])
     # All of this wall touches a stent half as wide again.
     np.testing.assert_allclose(away, 3.0, atol=1e-4)
-
-
-# Wall dragged ahead of the stent ---------------------------------------------------------------
 
 
 def oval_tube(wide):
@@ -144,12 +135,7 @@ def test_wall_that_the_stent_reaches_ends_on_it_however_it_was_dragged(gap, monk
     assert -1e-4 < after.min() <= after.max() < 1e-4
 
 
-def test_wall_outside_the_stent_is_dragged_no_farther_than_it_was_away():
-    _, native, after = stented_oval(3.1, DEFAULT.with_changes(facet_compensation=False))
-    outside = native > 0
-    assert outside.any()
-    assert (after[outside] > native[outside] - 1e-6).all()
-    assert (after < 2 * np.maximum(native, 0) + 1e-4).all()
+# Wall dragged ahead of the stent ---------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -87,6 +87,7 @@ def test_a_stent_is_deployed_certified_and_written_within_the_limit(a_vessel):
     assert done.peak_mb < LIMIT_MB
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize(
     "arguments", [["check", *SURFACE], ["measure", *SURFACE, *LINE, "--spacing", 30]]
 )

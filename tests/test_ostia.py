@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from ostium_truth import openings_at
 from seeds import seeds
-from trees import unbranched
 
 from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line, NamedFaces, Surface
-from SDFStentLib.lumen import ExtendedAxis, extended_axis
+from SDFStentLib.lumen import extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
@@ -63,9 +62,7 @@ def ostia_of(surface, axis, centerline=None, **options):
     return find_ostia(surface, way, centerline=centerline, **options)
 
 
-@pytest.mark.parametrize(
-    ("angle_deg", "start"), [(90, 27), (90, 40), (60, 10), (60, 31), (45, 27), (45, 31)]
-)
+@pytest.mark.parametrize(("angle_deg", "start"), [(90, 27), (60, 10), (45, 31)])
 def test_the_ostium_of_a_straight_branch_is_where_the_two_cylinders_meet(angle_deg, start):
     """The rim of a thin tube on a cylinder: nearest and farthest corner lie in their plane."""
     patch = a_tee(angle_deg)
@@ -87,15 +84,6 @@ def test_the_ostium_of_a_straight_branch_is_where_the_two_cylinders_meet(angle_d
         assert ostium.is_free
     elif low > 0.7 and high < 14.3:
         assert ostium.is_fully_covered
-
-
-def test_no_ostium_is_covered_by_more_than_all_of_it():
-    made = phantoms.branching_pulmonary_artery()
-    tree = made.centerline
-    path = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]])
-    for start in (10.0, 14.0, 18.0):
-        (ostium,) = ostia_of(made.surface, Line(path.points).cut(start, start + 24.0).points, tree)
-        assert 0.99 < ostium.covered_share <= 1
 
 
 def test_half_of_an_ostium_is_half_covered():
@@ -131,21 +119,6 @@ def test_what_two_stents_cover_of_one_ostium_is_told_once_and_of_both(first, sec
     assert branch.ostium.is_fully_covered == (share == 1)
 
 
-def test_a_branch_is_called_by_the_faces_that_it_leads_to():
-    patch, line = a_tee(), [[0, 0, 24.0], [0, 0, 36.0]]
-    surface = Surface(patch.points, patch.triangles)
-    cap = int(patch.face_ids.max())
-    plain = "side branch of 4.7 mm at 6 mm"
-    assert [o.name for o in ostia_of(surface, line)] == [plain]
-    for names, said in (({}, plain), ({cap: "left renal"}, "left renal")):
-        (ostium,) = ostia_of(surface, line, faces=NamedFaces(patch.face_ids, names))
-        assert ostium.name == said
-        assert ostium.sentence().startswith(f"{said[0].upper()}{said[1:]}: fully covered; ")
-    # Ids that do not tell cap from wall tell no branch.
-    (ostium,) = ostia_of(surface, line, faces=NamedFaces(np.ones_like(patch.face_ids)))
-    assert (ostium.name, ostium.face_ids) == (plain, ())
-
-
 def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     """Once the left iliac was free, 8.5 mm away, and 0.1 mm farther covered, 6.2 mm inside."""
     found = []
@@ -158,20 +131,6 @@ def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     assert all(len(ostia) == 1 and ostia[0].is_fully_covered for ostia in found)
     extents = np.array([[ostia[0].start, ostia[0].end] for ostia in found])
     assert np.ptp(extents, axis=0).max() < 0.5
-
-
-def test_a_tree_stored_backward_gives_the_same_ostia(data_dir):
-    for form in FORMS:
-        surface, tree = vessel(data_dir, form)
-        lines = [branch[::-1] for branch in tree.branches]
-        backward = Centerline.from_lines(tree.points, lines, tree.inscribed_radius)
-        path = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]])
-        at = float(Line(path.points).nearest(tree.points[tree.junctions[:1]]).arc_lengths[0])
-        line = Line(path.points).cut(max(at - 10, 0), at + 15).points
-        one, other = (ostia_of(surface, line, own) for own in (tree, backward))
-        assert len(one) == len(other) > 0
-        extents = [[(o.start, o.end, o.covered_share) for o in found] for found in (one, other)]
-        np.testing.assert_allclose(*extents, atol=0.05)
 
 
 def a_random_stent(folder, seed):
@@ -194,7 +153,7 @@ def a_random_stent(folder, seed):
     return surface, (tree if rng.random() < 0.75 else None), axis
 
 
-@pytest.mark.parametrize("seed", seeds(5, 10))
+@pytest.mark.parametrize("seed", seeds(3, 10))
 def test_random_stents_agree_with_plain_ray_casting(data_dir, seed):
     surface, tree, line = a_random_stent(data_dir, seed)
     axis = extended_axis(surface, line, tree)
@@ -219,22 +178,6 @@ def test_random_stents_agree_with_plain_ray_casting(data_dir, seed):
         assert narrow.end - edge < ostium.end < wide.end + edge
         # What an edge at each end of the stent makes of the share.
         assert abs(ostium.covered_share - truth.share) < 2 * edge / (truth.end - truth.start)
-
-
-def test_the_way_beyond_a_stent_goes_on_along_the_centerline_and_ends_with_it():
-    tube = phantoms.bent_tube()
-    axis = tube.axis_at(np.linspace(15, 25, 40))
-    for tree in (tube.centerline, None, unbranched(tube.centerline.points[::-1])):
-        extended = extended_axis(tube.surface, axis, tree, reach=10)
-        assert extended.stent_length == pytest.approx(10, abs=0.01)
-        assert extended.before == pytest.approx(10, abs=0.5)
-        assert extended.after == pytest.approx(10, abs=0.5)
-        exact = tube.axis_at(np.linspace(5, 35, 400))
-        apart = np.linalg.norm(extended.points[:, None] - exact, axis=2).min(axis=1)
-        assert apart.max() < 0.5
-    whole = extended_axis(tube.surface, axis, tube.centerline, reach=100)
-    assert whole.before == pytest.approx(15, abs=0.1)
-    assert isinstance(whole, ExtendedAxis)
 
 
 def test_the_way_before_a_stent_goes_on_to_the_root_and_not_straight_on_into_the_other_branch():
@@ -272,7 +215,7 @@ def test_the_vessel_that_a_stented_one_comes_from_is_no_branch(start):
     np.testing.assert_allclose(onward.outlets, [(0, 0, 60)], atol=0.01)
 
 
-@pytest.mark.parametrize("start", [1.0, 4.0, 8.0])
+@pytest.mark.parametrize("start", [1.0, 8.0])
 def test_in_a_model_of_flat_ends_what_leads_to_none_is_no_branch(start):
     """The far wall of a wide trunk, seen from its branch, was told as one of 7.4 mm."""
     surface, tree = a_bent_path(a_tee(radius=9.0))
@@ -294,7 +237,7 @@ def left_artery(folder):
     return surface, tree, Line(tree.points[tree.ancestry(leaf)])
 
 
-@pytest.mark.parametrize("start", [36.0, 36.75])
+@pytest.mark.parametrize("start", [36.75])
 def test_a_stent_that_begins_in_the_funnel_of_its_vessel_covers_nothing_of_that_above(
     data_dir, start
 ):
@@ -304,7 +247,7 @@ def test_a_stent_that_begins_in_the_funnel_of_its_vessel_covers_nothing_of_that_
     assert PARENT not in [ostium.name for ostium in found]
 
 
-@pytest.mark.parametrize("half", [6.5, 7.0])
+@pytest.mark.parametrize("half", [7.0])
 def test_rays_that_look_down_into_a_branch_from_a_funnel_above_make_its_ostium_no_larger(
     data_dir, half
 ):

@@ -92,7 +92,7 @@ def assert_sound_once_stented(case):
     return assert_meshed_and_filled(result.points, case.triangles)
 
 
-HARDER = ("hairpin_tube", *RADII)
+HARDER = ("tube_with_neighbor",)
 EASIER = [name for name in PHANTOM_STENTS if name not in HARDER]
 
 

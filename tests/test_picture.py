@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import stat
 import sys
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,7 +13,6 @@ import pytest
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
-from SDFStentLib.geometry import Line
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import before_after_picture
 from SDFStentLib.report.picture import painting, picture
@@ -22,7 +20,6 @@ from SDFStentLib.report.picture.drawing import Box, Disc, Drawing, Stroke, Words
 from SDFStentLib.report.picture.painting import painted
 from SDFStentLib.report.picture.picture import RED, before_after_scene
 from SDFStentLib.report.picture.shapes import WALL_COLOR, strut_curves
-from SDFStentLib.report.picture.view import best_view
 from SDFStentLib.stent import AlongAxis, Stent
 from SDFStentLib.validation import DeploymentError
 
@@ -109,27 +106,6 @@ def test_only_the_panel_before_shows_a_narrow_lumen(image: np.ndarray) -> None:
     assert green[1] > 2 * green[0]
 
 
-def test_words_scales_and_small_print_are_there(image: np.ndarray) -> None:
-    is_dark = (image < 200).all(axis=2)
-    for rows, columns in [
-        (slice(45, 70), slice(120, 480)),  # before
-        (slice(45, 70), slice(720, 1080)),  # after
-        (slice(648, 662), slice(50, 250)),  # length scale
-        (slice(622, 640), slice(510, 690)),  # title of the color scale
-        (slice(660, 676), slice(850, 1120)),  # research use only
-    ]:
-        assert is_dark[rows, columns].sum() > 30
-    bar = image[655, 410:790]
-    assert bar[2, 2] > bar[2, 1]  # violet at the left
-    assert (bar[-3, :2] > 200).all()  # yellow at the right
-
-
-def test_opposite_frames_give_opposite_views(stent_axis: np.ndarray) -> None:
-    points = artery().points
-    ras, lps = (best_view([Line(stent_axis)], 3.5, points, 1.0, frame) for frame in ("RAS", "LPS"))
-    assert ras.toward_camera @ lps.toward_camera < 0
-
-
 def test_struts_are_drawn_after_treatment_and_can_be_hidden(
     treated: PlanResult, image: np.ndarray, tmp_path: Path
 ) -> None:
@@ -185,16 +161,6 @@ def test_two_stents_are_both_drawn_colored_and_marked(tmp_path: Path) -> None:
     # A label at the same place in both panels, and no label over another.
     assert red[1].x - red[0].x == red[3].x - red[2].x == picture.WIDTH / 2
     assert max(abs(red[2].x - red[0].x) / 90, abs(red[2].y - red[0].y) / 28) > 1
-
-
-def test_an_unknown_lumen_is_said_and_not_drawn(treated: PlanResult) -> None:
-    stent = treated.treatment.stents[0]
-    nothing = np.full_like(stent.after.inscribed_diameter, np.nan)
-    unknown = replace(stent, after=replace(stent.after, inscribed_diameter=nothing))
-    result = replace(treated, treatment=replace(treated.treatment, stents=(unknown,)))
-    assert "After: minimum lumen not known" in shown_words(result)
-    after = before_after_scene(result, "")[1][1]
-    np.testing.assert_allclose(after.colors[:, :3], np.tile(WALL_COLOR, (len(after.points), 1)))
 
 
 # The drawing, as SVG and as PNG

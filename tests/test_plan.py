@@ -18,7 +18,6 @@ from SDFStentLib.files import (
     polydata_from_lines,
     set_frame_of_polydata,
 )
-from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import (
     Plan,
@@ -295,18 +294,6 @@ def test_two_overlapping_stents_are_deployed_in_order_and_said(a_patient):
     np.testing.assert_array_equal(result.points[unmoved], vessel.points[unmoved])
 
 
-def test_a_later_stent_starts_from_what_the_earlier_one_left(a_patient):
-    _, vessel = a_patient
-    stents = [Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 40), (36, 46))]
-    both = Treatment(vessel.surface, stents, vessel.centerline, QUICK).result
-    first = Treatment(vessel.surface, stents[:1], vessel.centerline, QUICK).result
-    second = Treatment(
-        Surface(first.points, vessel.triangles), stents[1:], first.centerline, QUICK
-    ).result
-    np.testing.assert_array_equal(second.points, both.points)
-    np.testing.assert_array_equal(second.centerline.points, both.centerline.points)
-
-
 def test_a_stent_that_is_switched_off_is_skipped_and_named():
     vessel = stenosed_tube()
     stent = Stent(6.0, length=15, placement=AtCenter(vessel.throat.point))
@@ -355,29 +342,6 @@ def test_a_stent_far_wider_than_the_native_lumen_is_said_with_both_numbers(facto
         )
         assert float(found[1]) == pytest.approx(factor, abs=0.05)
         assert float(found[2]) == pytest.approx(widest, abs=0.2)
-
-
-def test_a_plan_of_files_gives_the_same_points_as_its_arrays(a_patient):
-    folder, vessel = a_patient
-    stent = Stent(7.5, placement=BetweenPoints(*vessel.axis_at((20, 40))))
-    plan = Plan(
-        stents=(stent,),
-        surface=InputFile(folder / "surface.vtp"),
-        centerline=InputFile(folder / "centerline.vtp"),
-    )
-    save_plan(plan, folder / "plan.json")
-    states = []
-    result = run_plan(load_plan(folder / "plan.json"), progress=states.append)
-    assert states[-1].fraction == 1
-    centerline = result.inputs.vessel.centerline
-    direct = Treatment(
-        Surface(result.inputs.surface.points, vessel.triangles), [stent], centerline
-    ).result
-    np.testing.assert_allclose(result.treatment.points, direct.points, rtol=0, atol=1e-9)
-    document = plan_report(result).as_dict()
-    assert document["certificate"]["arrays_kept"]
-    assert document["inputs"][1]["role"] == "centerline"
-    assert document["stents"][0]["axis"]["length_mm"] == pytest.approx(20, abs=0.1)
 
 
 def test_an_axis_file_is_read_in_the_folder_of_the_plan_and_noticed_when_changed(a_patient):

@@ -13,7 +13,6 @@ from SDFStentLib.geometry import (
     face_areas,
     flat_fill,
     section_around,
-    signed_volume,
 )
 from SDFStentLib.geometry.flat_fill import _ears
 from SDFStentLib.phantoms import bent_tube, straight_tube
@@ -76,7 +75,7 @@ def test_ears_fill_any_polygon(name):
     assert_filled(polygon, np.zeros((0, 2)), _ears(polygon))
 
 
-@settings(deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.lists(st.floats(0.2, 1.0), min_size=5, max_size=60))
 def test_any_polygon_seen_from_its_middle_is_filled(radii):
     polygon = circle(len(radii)) * np.array(radii)[:, None]
@@ -104,25 +103,6 @@ def cut(surface, origin, normal):
 
 
 @pytest.mark.parametrize("name", PLANES)
-def test_the_rim_is_one_curve_in_the_plane_and_the_surface_stays_closed(name):
-    tube = straight_tube()
-    section, found, normal = cut(tube.surface, *PLANES[name])
-    heights = (found.points - PLANES[name][0]) @ normal
-    assert section.is_closed
-    assert len(set(found.rim.tolist())) == len(found.rim) > 20
-    assert np.abs(heights[found.rim]).max() < 1e-12
-    whole = Surface(found.points, found.triangles)
-    assert whole.topology.is_watertight
-    # A round wall of flat facets: points that move along its sides stay on it nearly.
-    assert signed_volume(found.points, found.triangles) == pytest.approx(
-        signed_volume(tube.points, tube.triangles), rel=1e-3
-    )
-    of_sources = np.bincount(found.sources, minlength=len(tube.triangles))
-    assert of_sources.min() == 1
-    assert of_sources.max() == 3
-
-
-@pytest.mark.parametrize("name", PLANES)
 def test_the_area_of_a_section_is_that_of_the_ellipse(name):
     origin, normal = PLANES[name]
     section, _, unit = cut(straight_tube(radius=3.0).surface, origin, normal)
@@ -130,7 +110,7 @@ def test_the_area_of_a_section_is_that_of_the_ellipse(name):
     assert section.area == pytest.approx(ellipse, rel=0.01)
 
 
-@settings(deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.floats(3, 27), st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
 def test_no_plane_across_a_bend_leaves_slivers_or_folds(place, first, second):
     tube = TUBE

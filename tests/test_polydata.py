@@ -20,20 +20,6 @@ from SDFStentLib.geometry import face_areas, face_normals, vertex_normals
 from SDFStentLib.validation import InputError
 
 
-def test_arrays_keep_name_type_and_values():
-    points, triangles = octahedron(rounds=0)
-    names = np.array([f"Ärztin {i}" for i in range(8)])
-    polydata = polydata_from_arrays(
-        points, triangles, {"Displacement": np.ones((6, 3), np.float32)}, {"id": np.arange(8)}
-    )
-    add_arrays(polydata, None, {"name": names, "flag": np.arange(8) > 3})
-    assert polydata.GetPointData().GetArray("Displacement").GetNumberOfComponents() == 3
-    assert vtk_to_numpy(polydata.GetCellData().GetArray("id")).dtype == np.int64
-    assert vtk_to_numpy(polydata.GetCellData().GetArray("flag")).sum() == 4
-    strings = polydata.GetCellData().GetAbstractArray("name")
-    assert [strings.GetValue(i) for i in range(8)] == names.tolist()
-
-
 def test_arrays_that_do_not_fit_are_refused():
     points, triangles = octahedron(rounds=0)
     with pytest.raises(InputError, match="point array d: expected 6 rows"):

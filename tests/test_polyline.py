@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from SDFStentLib.geometry import Line, as_line, closest_on_segments, tightest_bend
+from SDFStentLib.geometry import Line, closest_on_segments, tightest_bend
 from SDFStentLib.geometry.line import PAIRS_PER_BLOCK
 
 CORNER = np.array([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])
@@ -25,6 +25,7 @@ def an_arc(radius: float = 10.0, count: int = 200) -> np.ndarray:
     return radius * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
 
 
+@settings(max_examples=30)
 @given(any_polyline, st.floats(0.05, 50))
 def test_resampling_keeps_the_ends_and_spaces_equally(points, spacing):
     total = Line(points).length
@@ -63,15 +64,3 @@ def test_the_bend_radius_of_lines_corners_and_hairpins():
     # The corner is met to a sixteenth of the window, which is second order in the radius.
     assert corner == pytest.approx(2 / (2 * np.sin(np.pi / 4)), rel=1 / 16**2 * 2)
     assert tightest_bend(Line(an_arc()), window=1e-9).radius > 0
-
-
-def test_a_line_and_what_follows_from_it_cannot_be_changed():
-    points = np.repeat(CORNER, 2, axis=0)
-    line = Line(points)
-    points += 1.0
-    assert (line.points == np.repeat(CORNER, 2, axis=0)).all()
-    for one in (line, line.without_repeats(), line.resampled(1.0), line.cut(1, 2), line.reversed()):
-        for array in (one.points, one.arc_lengths, one.directions):
-            assert not array.flags.writeable
-    assert Line(CORNER).reversed().reversed().points.tolist() == CORNER.tolist()
-    assert as_line(line) is line

@@ -10,7 +10,6 @@ import pytest
 from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings, Proxy, deploy
-from SDFStentLib.deformation.proxy_sample import linear_weights
 from SDFStentLib.geometry import Line, Surface, dot, face_normals
 from SDFStentLib.lumen import diameter_profile, rough_radii
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
@@ -95,26 +94,6 @@ def test_the_preview_is_near_the_full_one_in_anatomies(sweep, data_dir, name, ra
         assert found.turned <= 0.001 * len(vessel.triangles) + found.turned_in_full
 
 
-def test_the_same_place_gives_the_same_preview_whatever_came_before():
-    phantom = fine_tube()
-    chain = PREVIEW.chain(half_way(phantom, 10))
-    proxy = Proxy(phantom.surface)
-    first = proxy.deployed(chain, 3.6).state
-    proxy.deployed(PREVIEW.chain(half_way(phantom, 20)), 3.2)
-    again = proxy.deployed(chain, 3.6).state
-    assert np.array_equal(first.indices, again.indices)
-    assert np.array_equal(first.coordinates, again.coordinates)
-
-
-def test_weights_carry_linear_displacements_as_they_are():
-    rng = np.random.default_rng(3)
-    offset = rng.uniform(-1, 1, (50, 8, 3))
-    weights = linear_weights(offset, rng.uniform(0.1, 1, (50, 8)))
-    assert weights.sum(axis=1) == pytest.approx(1, abs=1e-12)
-    # Stiffness leaves out a small part of what lies to one side.
-    assert np.abs(np.einsum("nk,nkj->nj", weights, offset)).max() < 0.1
-
-
 # The minimum lumen
 
 
@@ -186,11 +165,3 @@ def test_a_previewed_lumen_is_that_of_the_stent():
     phantom = fine_tube()
     one = Preview(phantom.surface, phantom.centerline).of(two_stents(phantom.centerline)).stents[0]
     assert one.minimum_lumen() == pytest.approx(7.2, rel=0.03)
-
-
-def test_a_sphere_among_points_of_a_tube_is_the_tube_s():
-    phantom = phantoms.straight_tube(3.0, 40, 0.4)
-    centers = phantom.axis_at(np.linspace(10, 30, 9)) + np.array([0.9, -0.4, 0.0])
-    normals = phantom.surface.vertex_normals
-    radii = rough_radii(phantom.surface.points, centers, normals)
-    assert radii == pytest.approx(3.0, abs=0.4**2 / (8 * 3.0) + 0.01)

@@ -29,18 +29,6 @@ def test_the_defaults_are_the_papers_where_it_names_them_and_its_preset_adds_not
     assert off == (False, False, False)
 
 
-def test_the_preview_differs_from_the_default_only_in_effort():
-    default, preview = DeploymentSettings(), DeploymentSettings.preview()
-    differing = {
-        field.name
-        for field in fields(default)
-        if getattr(default, field.name) != getattr(preview, field.name)
-    }
-    effort = {"step", "step_tolerance", "finish", "facet_compensation", "untangle", "certify"}
-    assert differing <= effort
-    assert preview.rule == default.rule
-
-
 @pytest.mark.parametrize("name", LENGTHS)
 def test_lengths_have_bounds_that_are_said(name):
     """Those of a width are 0, or what is told apart from it, and a largest one."""

@@ -13,8 +13,6 @@ ALONG_LINE = ["--centerline", "line.vtp"]
 # The tube is 40 mm long, from z = 0 to 4 cm, the curve 16 mm.
 PLACES = {
     "below the end": ([*ALONG_LINE, "--distal", "0", "0", "0.02", "--length", "35.2"], 35.2, 0.2),
-    "beyond the end": ([*ALONG_LINE, "--proximal", "0", "0", "3.5", "--length", "20"], 20.0, 5.0),
-    "round the end": ([*ALONG_LINE, "--center", "0", "0", "0", "--length", "90"], 90.0, 40.0),
     "a short curve": (["--axis", "axis.vtp", "--length", "40"], 40.0, 16.0),
 }
 
@@ -59,16 +57,8 @@ def test_a_stent_of_which_less_than_half_fits_is_refused_unless_asked_for(said, 
     assert f"at least half of its {prescribed:.1f} mm" in error
 
 
-@pytest.mark.parametrize(
-    "place",
-    [
-        ["--proximal", "0", "0", "3", "--length", "19"],
-        ["--center", "0", "0", "4", "--length", "20"],
-        ["--distal", "0", "0", "1.01", "--length", "20"],
-    ],
-)
-def test_half_a_stent_on_the_vessel_is_enough(said, place):
-    code, error = deployed(said, [*ALONG_LINE, *place])
+def test_half_a_stent_on_the_vessel_is_enough(said):
+    code, error = deployed(said, [*ALONG_LINE, "--center", "0", "0", "4", "--length", "20"])
     assert code == 0, error
     assert "is shortened" in error
 

@@ -11,7 +11,6 @@ import math
 import os
 import shutil
 import xml.etree.ElementTree as ElementTree
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +25,7 @@ from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_li
 from SDFStentLib.files.formats import decode_vtu, encode_vtu
 from SDFStentLib.flow import Wave
 from SDFStentLib.geometry import Surface, SurfaceIndex, signed_volume
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.simulation import Conditions, Outlet, prepare
 from SDFStentLib.simulation.ends import extended
 from SDFStentLib.simulation.mmg import MeditMesh
@@ -34,7 +33,7 @@ from SDFStentLib.simulation.prepared import Filled, well_filled
 from SDFStentLib.simulation.remesh import TOLERANCE, Wishes, axis_of, edges_around, mended, remeshed
 from SDFStentLib.simulation.solver_file import solver_files, time_steps
 from SDFStentLib.simulation.tetrahedra import dihedral_angles, filled
-from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment
+from SDFStentLib.treatment import Vessel, extract_segment
 from SDFStentLib.validation import DeploymentError, InputError
 
 RADIUS, LENGTH, FLOW = 3.0, 40.0, 20.0
@@ -167,21 +166,6 @@ def test_slim_triangles_and_flat_tetrahedra_are_not_left(coarsely_meshed, monkey
         well_filled([made])
 
 
-def test_borders_that_run_through_the_wall_make_no_slim_triangles():
-    _, segment, axis = narrowed_segment()
-    (wall,) = (face for face in segment.faces if face.kind == "wall")
-    middles = segment.surface.points[segment.surface.triangles][:, :, 0].mean(axis=1)
-    side = middles > np.random.default_rng(4).normal(0, 0.7, len(middles))
-    ids = np.where(side & (segment.face_ids == wall.number), 99, segment.face_ids)
-    faces = (*segment.faces, wall._replace(number=99, name="side"))
-    made = next(remeshed(replace(segment, face_ids=ids, faces=faces), axis, Wishes(coarser=5)))
-    assert smallest_angles(made.surface.points, made.surface.triangles).min() > 15
-    middles = made.surface.points[made.surface.triangles][:, :, 0].mean(axis=1)
-    is_wall = np.isin(made.face_ids, [wall.number, 99])
-    assert (made.face_ids[is_wall & (middles > 2)] == 99).all()
-    assert (made.face_ids[is_wall & (middles < -2)] == wall.number).all()
-
-
 def test_tetrahedra_fill_the_surface_and_have_no_flat_ones(coarsely_meshed):
     _, made = coarsely_meshed
     volume = filled(made)
@@ -209,24 +193,6 @@ def test_an_end_is_drawn_out_where_there_is_room():
     np.testing.assert_allclose(moved.center - face.center, [0, 0, 7.0], atol=1e-9)
     assert longer.surface.topology.is_watertight
     assert longer.faces[-1].kind == "wall"
-
-
-def test_side_branches_are_cut_off_and_become_outlets():
-    """The right artery, behind 1.5 of its diameters; closed, it would be wall."""
-    vessel = branching_pulmonary_artery(edge_length=1.2)
-    parts = Vessel(vessel.surface, vessel.centerline)
-    ends = vessel.axis_at(np.array([4.0, 52.0]))
-    found = [
-        extract_segment(parts, *ends, SegmentWishes(*wishes)).before
-        for wishes in ((False, False), (False, True), (True, False))
-    ]
-    whole, cut, closed = found
-    kinds = [[face.kind for face in one.faces].count("outlet") for one in found]
-    assert kinds == [2, 2, 1]
-    assert closed.volume < cut.volume < whole.volume
-    side, other = (face for face in cut.faces if face.kind == "outlet")
-    assert abs(float(side.normal @ other.normal)) < 0.999
-    assert cut.surface.topology.is_watertight
 
 
 def test_a_folder_has_all_that_the_solver_asks_for(folder):

@@ -151,19 +151,6 @@ def test_a_curve_drawn_by_hand_is_the_axis_as_slicer_shows_it(a_folder):
 # Too tight
 
 
-@pytest.mark.parametrize("before", [6.0, 20.0])
-def test_the_warning_of_a_tight_bend_says_where(before):
-    turn = np.linspace(0, np.pi / 2, 40)
-    bend = np.stack([before + 2 * np.sin(turn), 2 - 2 * np.cos(turn), 0 * turn], axis=1)
-    line = np.concatenate([[[0, 0, 0]], bend, [[before + 2, 20, 0]]])
-    (caution,) = stent_axis(Stent(6.0, placement=AlongAxis(line))).warnings
-    middle = np.array([before + np.sqrt(2), 2 - np.sqrt(2), 0])
-    assert np.linalg.norm(np.array(caution.place) - middle) < 0.5
-    x, y, z = caution.place
-    assert f"at ({x:.1f}, {y:.1f}, {z:.1f}) mm" in str(caution)
-    assert "(in the file" in caution.sentence(units="cm")
-
-
 def test_smoothing_takes_a_tight_bend_and_its_warning_away():
     corner = np.array([[0, 0, 40], [12, 0, 40], [12, 12, 40.0]])
     line = np.array([np.interp(np.linspace(0, 2, 100), [0, 1, 2], one) for one in corner.T]).T

@@ -18,9 +18,9 @@ from SDFStentLib.cautions import Caution
 from SDFStentLib.certificate import Certificate, MotionCheck
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation.lumen import largest_push
-from SDFStentLib.deformation.stent_checks import Expected, lumen_check, motion_check
+from SDFStentLib.deformation.stent_checks import motion_check
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.geometry import Line, Surface
+from SDFStentLib.geometry import Line
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
@@ -83,8 +83,9 @@ ACROSS_THE_DIVIDER = ((-5.0, 0.0, 30.0), 7.5, 20.0)
 INTO_THE_NARROW_BRANCH = ((-1.962, 0.0, 26.172), 5.95, 25.1)
 
 
-@pytest.mark.parametrize("place", [ACROSS_THE_DIVIDER, INTO_THE_NARROW_BRANCH])
-@pytest.mark.parametrize("straightening", [0.5, 1.0])
+@pytest.mark.parametrize(
+    ("place", "straightening"), [(ACROSS_THE_DIVIDER, 0.5), (INTO_THE_NARROW_BRANCH, 1.0)]
+)
 def test_a_straightened_stent_across_a_divider_makes_no_spike_and_no_narrowing(
     place, straightening
 ):
@@ -209,24 +210,6 @@ def test_a_point_moved_too_far_is_not_certified_and_says_where():
         "a point that moved 3.7 mm, 0.039 mm farther than the method moves it, from "
         "(1.0, 2.0, 3.0) mm"
     )
-
-
-def test_a_lumen_blown_up_beyond_the_stent_is_not_certified():
-    made = phantom("straight_tube", edge_length=1.0)
-    axis = made.axis_at(np.linspace(10, 20, 50))
-    deployment = Deployment(made.surface, CapsuleChain.along(axis), 3.6)
-    blown = deployment.result.points.copy()
-    blown[:, :2] *= 1.1
-    stent = Expected(deployment.chain, 3.6, influence_distance=6.5)
-    check = lumen_check(made.surface, made.surface.with_points(blown), stent)
-    assert check.is_wide
-    assert check.widest == pytest.approx(1.1 * 7.2, rel=0.01)
-    native = blown.copy()
-    assert lumen_check(
-        Surface(native, made.triangles),
-        Surface(native, made.triangles).with_points(blown),
-        stent,
-    ).passed
 
 
 def test_the_published_rule_promises_no_lumen_and_nothing_is_said_about_it():

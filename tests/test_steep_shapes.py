@@ -71,7 +71,8 @@ def assert_certified_without_wall_inside(treatment, tolerance=TOLERANCE):
 
 
 @pytest.mark.parametrize(
-    ("phantom_name", "edge_length"), [("stenosed_tube", 0.5), ("bent_tube", 1.0)]
+    ("phantom_name", "edge_length"),
+    [("stenosed_tube", 0.5), pytest.param("bent_tube", 1.0, marks=pytest.mark.bench)],
 )
 @pytest.mark.parametrize("name", STEPS)
 def test_no_wall_lies_inside_of_a_steep_stent(name, phantom_name, edge_length):
@@ -86,7 +87,6 @@ def test_a_long_edge_is_looked_at_in_more_places():
 
 
 @pytest.mark.parametrize("shape", [
-    Shape(start=StentEnd(12.0, 2.0)),
     Shape(waist=Waist(7.0, 0.5, 3.0)),
     Shape(table=((0, 8.0), (0.4, 10.0), (0.45, 8.0), (1, 9.0))),
 ])  # fmt: skip

@@ -169,15 +169,3 @@ def test_a_patient_s_throat_beside_branches_is_as_wide_as_an_independent_search_
     truth = 2 * np.array([judge.across(*one)[1] for one in disks[inner]])
     assert told[inner] == pytest.approx(truth, rel=0.03)
     assert found.minimum == pytest.approx(2.62, abs=0.03)
-
-
-def test_lines_beside_the_middle_of_a_vessel_keep_their_spheres():
-    """A line drawn by hand tells no middle: spheres that do not hold it are not searched anew."""
-    tube = straight_tube(3.0, 24, 0.4)
-    along = np.linspace(5.0, 19.0, 15)
-    stations = np.column_stack([np.full(15, 2.7), np.zeros(15), along])
-    ways = np.tile([0.0, 0.0, 1.0], (15, 1))
-    found = inscribed_spheres(tube.points, tube.triangles, stations, ways)
-    wall = LocalSurface(tube.points, tube.triangles, stations)
-    told = with_own_spheres(wall, stations, ways, found, [np.arange(15)])
-    np.testing.assert_array_equal(told.radii, found.radii)

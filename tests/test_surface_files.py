@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-
 import numpy as np
 import pytest
 from mesh_files import assert_refused_by_name, octahedron, open_tube
@@ -26,18 +24,6 @@ def saved(folder, polydata, name="a.vtp"):
     path = folder / name
     path.write_bytes(encode_vtp(polydata))
     return path
-
-
-@pytest.mark.parametrize(("units", "scale"), [("mm", 1), ("cm", 10), ("m", 1000)])
-def test_points_are_millimetres_whatever_the_file_uses(tmp_path, units, scale):
-    points, triangles = octahedron()
-    surface = read_surface(saved(tmp_path, polydata_from_arrays(points / scale, triangles)), units)
-    assert np.allclose(surface.points, points, rtol=1e-15)
-    assert np.array_equal(surface.triangles, triangles)
-    assert surface.units == units
-    assert surface.coordinate_type == np.float64
-    assert surface.sha256 == hashlib.sha256(surface.path.read_bytes()).hexdigest()
-    assert surface.warnings == ()
 
 
 def test_integer_coordinates_become_doubles(tmp_path):
@@ -106,14 +92,6 @@ def test_inside_and_outside_need_no_orientation_whether_it_is_known_to_be_closed
     test = InsideTest(surface)
     assert test.is_inside(28.5 * queries).all()
     assert not test.is_inside(30.5 * queries).any()
-
-
-def test_a_centerline_in_an_open_vessel_fits_and_an_end_that_sticks_out_is_only_said():
-    assert check_same_space(Surface(*moved_tube()), axis()) == ()
-    (said,) = check_same_space(Surface(*moved_tube()), axis(-20, 59), centerline_name="c.vtp")
-    assert said.kind == "partly-outside"
-    assert said.numbers["outside_percent"] == pytest.approx(100 * 20 / 79, abs=1.5)  # of 80 points
-    assert str(said) == "c.vtp: 26 % of its points lie outside of surface."
 
 
 @pytest.mark.parametrize("factor", [10, 0.1, 1000, 0.001])

@@ -186,6 +186,7 @@ places._client = client
 """
 
 
+@pytest.mark.bench
 def test_a_scheduler_that_is_lost_is_told_in_one_sentence(cluster):
     folder = cluster.folder
     environment = hold_at(folder, 1)
@@ -234,6 +235,7 @@ if sys.argv[0].endswith("cluster.py"):
 """
 
 
+@pytest.mark.bench
 def test_the_program_that_keeps_a_cluster_keeps_it_until_it_is_ended(tmp_path):
     """That of the document, with a cluster of one machine that is called as dask-jobqueue's."""
     text = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")

@@ -67,14 +67,6 @@ def test_more_samples_begin_with_the_fewer(method):
         np.testing.assert_array_equal(few[name], many[name][:10])
 
 
-def test_the_seed_decides():
-    axes = {"diameter": {"uniform": [6, 8]}}
-    for method in ("random", "latin-hypercube", "sobol"):
-        first, again = (drawn(axes, method, 16, seed=1)["diameter"] for _ in range(2))
-        np.testing.assert_array_equal(first, again)
-        assert (first != drawn(axes, method, 16, seed=2)["diameter"]).any()
-
-
 def test_names_of_cases_are_the_same_in_another_process_and_another_folder(folder, tmp_path):
     names = [case.id for case in Cases(sweep_in(folder))]
     assert len(set(names)) == 6
@@ -107,20 +99,6 @@ def test_what_is_kept_and_how_the_patient_is_called_changes_no_name(folder):
     inputs = {"name": "Ann", "units": "cm", "surface": "tube.vtp", "centerline": "line.vtp"}
     other = sweep_in(folder, store="moved", patients=[inputs])
     assert [case.id for case in Cases(other)] == before
-
-
-def test_every_patient_gets_all_samples(folder):
-    people = [{"name": name, "surface": "tube.vtp", "units": "cm"} for name in ("Ann", "Bob")]
-    found = sweep_in(
-        folder,
-        patients=people,
-        sampling={"method": "sobol", "count": 3, "seed": 0},
-        axes={"diameter": {"uniform": [6, 7]}},
-    )
-    cases = list(Cases(found))
-    assert [case.patient for case in cases] == [0, 0, 0, 1, 1, 1]
-    assert [case.parameters for case in cases[:3]] == [case.parameters for case in cases[3:]]
-    assert [case.number for case in cases] == [1, 2, 3, 4, 5, 6]
 
 
 WRONG = [

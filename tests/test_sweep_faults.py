@@ -128,6 +128,7 @@ def test_a_sweep_that_is_interrupted_goes_on_where_it_was_to_the_same_bytes(ther
     assert all(line.startswith("warning: no case") for line in error.splitlines())
 
 
+@pytest.mark.bench
 def test_a_worker_that_is_killed_costs_nothing(there, wanted):
     process = started(there, "--workers", "2", environment=hold_at(there, 1))
     wait_for(lambda: whole_cases(there))
@@ -164,6 +165,7 @@ def with_a_worker_stopped(folder, *more, lines=()):
     return process, [stopped, *(child for child in children if child != stopped)]
 
 
+@pytest.mark.bench
 def test_a_sweep_with_a_worker_that_does_not_answer_can_be_interrupted(there):
     process, children = with_a_worker_stopped(there)
     wait_for(lambda: len(whole_cases(there)) > 2)
@@ -180,7 +182,11 @@ def test_a_sweep_with_a_worker_that_does_not_answer_can_be_interrupted(there):
     [
         ("", f"interrupted; {{}} of {COUNT} cases are kept in out"),
         # As on a disk that does not answer.
-        ("runner.write_manifest = lambda _: time.sleep(6000)", "ended; what is whole is kept"),
+        pytest.param(
+            "runner.write_manifest = lambda _: time.sleep(6000)",
+            "ended; what is whole is kept",
+            marks=pytest.mark.bench,
+        ),
     ],
 )
 def test_a_second_signal_ends_a_sweep_at_once_with_its_workers(there, line, words):
@@ -232,11 +238,7 @@ def test_a_case_that_takes_longer_than_the_limit_has_failed_and_the_others_go_on
 
 
 @pytest.mark.parametrize(
-    ("function", "words"),
-    [
-        ("_prepare", "what was whole before is kept in out"),
-        ("_Run.left", "2 of 3 cases are kept in out"),
-    ],
+    ("function", "words"), [("_prepare", "what was whole before is kept in out")]
 )
 def test_an_early_interruption_does_not_say_that_nothing_is_kept(there, function, words):
     sweep = sweep_in(there, axes={"diameter": [6, 6.5]}, store="moved")

@@ -15,7 +15,6 @@ from SDFStentLib.cohort import run_sweep
 
 PLACED = "deploy tube.vtp --units cm --centerline line.vtp --center 0 0 2 --length 20 -o out.vtp"
 PROFILE = PLACED + " --profile"
-DEPLOY = PLACED + " --diameter 6"
 
 
 @pytest.fixture(scope="module")
@@ -66,17 +65,9 @@ FULL = Path("/dev/full")
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="the system has no file that is always full")
-@pytest.mark.parametrize(
-    "command",
-    [
-        "devices",  # few words, which are refused at the end
-        "measure tube.vtp --units cm --centerline line.vtp --tables --spacing 0.1",
-        DEPLOY,
-    ],
-)
-def test_words_that_nobody_can_take_end_in_a_sentence(folder, command):
+def test_words_that_nobody_can_take_end_in_a_sentence(folder):
     with FULL.open("w") as full:
-        done = process(folder, command, stdout=full)
+        done = process(folder, "devices", stdout=full)  # few words, refused at the end
     assert done.returncode == 2
     assert done.stderr.endswith(
         "standard output: cannot be written (No space left on device); free space, or choose "
@@ -87,7 +78,7 @@ def test_words_that_nobody_can_take_end_in_a_sentence(folder, command):
 
 @pytest.mark.skipif(not FULL.exists(), reason="the system has no file that is always full")
 @pytest.mark.parametrize(
-    ("command", "code"), [("check none.vtp", 2), (DEPLOY, 0), (f"{PLACED} --diameter 3", 0)]
+    ("command", "code"), [("check none.vtp", 2), (f"{PLACED} --diameter 3", 0)]
 )
 def test_warnings_and_errors_that_nobody_can_take_change_no_result(folder, command, code):
     with FULL.open("w") as full:
@@ -114,7 +105,7 @@ def cohort(a_cohort, tmp_path):
     return shutil.copytree(a_cohort, tmp_path / "cohort")
 
 
-DAMAGED = ["{}", "[]", "null", "7", '"text"', '{"files": {}}', '{"cases": {}}', "{"]
+DAMAGED = ["{}", "[]", "7", '{"files": {}}', '{"cases": {}}', "{"]
 
 
 @pytest.mark.parametrize("text", [*DAMAGED, '{"files": {}, "status": "done", "rows": [7]}'])
@@ -144,10 +135,6 @@ LACKING = {
         for key in ("axes", "cases", "patients", "method", "seed", "store", "sdfstent_version")
     },
     "a path as a case": lambda found: {**found, "cases": [["../../victim/aaaaaaa", 0, [6]]]},
-    "a path as long as a case": lambda found: {
-        **found,
-        "cases": [["../../victim/aaaaaaa", 0, [6]]],
-    },
     "no such patient": lambda found: {**found, "cases": [[*found["cases"][0][:1], 3, [6]]]},
     "too few values": lambda found: {**found, "cases": [[*found["cases"][0][:2], []]]},
     "an axis without a name": lambda found: {**found, "axes": [{"is_number": True}]},

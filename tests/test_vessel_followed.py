@@ -60,7 +60,7 @@ def way_to(tree: Centerline, leaf: int):
 def test_a_hand_that_trembles_leaves_the_ends_where_they_are(tree):
     rng = np.random.default_rng(5)
     tries, jumps = 0, 0
-    for leaf in rng.permutation(tree.leaves)[:5]:
+    for leaf in rng.permutation(tree.leaves)[:3]:
         way = way_to(tree, leaf)
         for at in np.arange(30.0, 70.0, 4.0):
             place, length = Line(way).at(at), rng.uniform(20, 34)
@@ -75,7 +75,7 @@ def test_a_hand_that_trembles_leaves_the_ends_where_they_are(tree):
                 radius = tree.project(place).inscribed_radius
                 apart = 0.3 * radius if np.isfinite(radius) else 2 * HAND
                 assert np.linalg.norm(between[1] - between[0]) > apart
-    assert tries == 150
+    assert tries == 90
     assert jumps <= 0.015 * tries
 
 
@@ -124,7 +124,7 @@ def test_a_stent_that_is_placed_in_a_branch_leads_into_it(tree):
     assert by_end > 10
 
 
-@pytest.mark.parametrize("shares", [(0.15, -0.15), (0.3, 0.0)])
+@pytest.mark.parametrize("shares", [(0.3, 0.0)])
 def test_lines_that_part_early_lead_where_those_lead_that_part_where_the_vessels_do(shares):
     exact = bifurcation_case(22, None, fineness=0.4).centerline
     early = parted(exact, shares, has_radius=True)

@@ -6,7 +6,7 @@ import slicer
 
 from SDFStentLib.centerline import Centerline
 
-DRAGS, STEP, WOBBLE_PX, PIXELS = 12, 0.7, 4.0, 800
+DRAGS, STEP, WOBBLE_PX, PIXELS = 6, 0.7, 4.0, 800
 """Drags of one tree, mm between two places of the mouse, and how far a hand is beside what it follows."""
 
 

@@ -200,36 +200,6 @@ def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent, knownResults
     assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
 
 
-def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(
-    host, aStent, knownResults, aStepAtATime
-):
-    """How long a tick takes is for `bench_dragging.py` to say; that there are many is held here."""
-    knownResults.clear()
-    ticks = []
-    run = aStent.session._run
-
-    def counted():
-        ticks.append(aStent.ui.progressBar.value)
-        run._tick()
-
-    timer = run._timer._timer  # Qt's own
-    timer.timeout.disconnect()
-    timer.connect("timeout()", counted)
-    deploy(host, aStent)
-    assert len(ticks) > 5
-    assert len(set(ticks)) > 3  # and the user sees how far it is
-
-
-def test_warnings_stand_with_the_numbers(host, aStent):
-    aStent.ui.diameterSlider.value = 2.0  # narrower than the vessel: nothing moves
-    deploy(host, aStent)
-    assert aStent.ui.warningLabel.visible
-    assert aStent.ui.warningLabel.text.startswith("Warning: ")
-    aStent.ui.diameterSlider.value, aStent.ui.lengthSlider.value = 7.0, 20.0  # covers the lesion
-    deploy(host, aStent)
-    assert not aStent.ui.warningLabel.visible
-
-
 def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):
     from SDFStentSlicer import Clock
 

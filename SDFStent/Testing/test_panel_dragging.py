@@ -155,25 +155,6 @@ def test_a_handle_dragged_in_a_slice_view_goes_to_the_nearest_place_in_space(hos
     np.testing.assert_allclose(placeOf(aStent), point)
 
 
-def test_a_point_placed_in_the_3d_view_lies_on_the_centerline_behind_the_wall(
-    host, aStent, theView
-):
-    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
-    handle.RemoveAllControlPoints()
-    selection = slicer.app.applicationLogic().GetSelectionNode()
-    selection.SetReferenceActivePlaceNodeClassName(handle.GetClassName())
-    selection.SetActivePlaceNodeID(handle.GetID())
-    interaction = slicer.app.applicationLogic().GetInteractionNode()
-    interaction.SetCurrentInteractionMode(interaction.Place)
-    wanted = wayTo(tree, tree.leaves[0])[5]
-    pixel = theView.pixel(wanted) + np.array([2.0, -2.0])
-    theView.drag([pixel, pixel])
-    interaction.SetCurrentInteractionMode(interaction.ViewTransform)
-    assert handle.GetNumberOfDefinedControlPoints() == 1
-    assert besideTree(tree, [placeOf(aStent)]).max() < 1e-3
-    np.testing.assert_allclose(placeOf(aStent), wanted, atol=1.0)
-
-
 def test_points_of_a_drawn_axis_keep_their_depth(host, aStent, theView):
     from SDFStentSlicer import Handles
 

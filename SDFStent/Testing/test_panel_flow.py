@@ -87,15 +87,6 @@ def test_a_contradictory_flow_is_refused_in_a_sentence(host, aStent):
     assert "ressure" in ui.lumenLabel.text
 
 
-def test_pressures_that_cannot_drive_the_flow_are_said_in_place_of_numbers(host, aStent):
-    ui = aStent.ui
-    ui.flowMeanSpinBox.value = 30.0
-    ui.inletPressureSpinBox.value, ui.wedgePressureSpinBox.value = 13, 12
-    deploy(host, aStent)
-    assert "expected more than the vessel itself costs" in ui.lumenLabel.text
-    assert "Minimum lumen diameter" in ui.lumenLabel.text
-
-
 def test_a_plan_of_the_panel_tells_the_shell_where_right_is(host, aStent, tmp_path):
     """In the frame of the plan, which the file need not tell."""
     from SDFStentLib.plan import load_plan, run_plan
@@ -127,9 +118,12 @@ def aPlanWithAWave(aStent, tmp_path):
 
 
 def test_a_wave_of_a_plan_is_told_and_kept_until_its_peak_is_changed(
-    host, aStent, aPlanWithAWave, tmp_path
+    host, aStent, aPlanWithAWave, tmp_path, monkeypatch
 ):
     from SDFStentLib.plan import load_plan
+
+    for where in ("SDFStentSlicer.Flow", "SDFStentLib.plan.run"):  # a solver takes its time
+        monkeypatch.setattr(f"{where}.has_svzerod", lambda: False)
 
     ui, parameters = aStent.ui, aStent._parameterNode
     aStent.logic.loadPlan(aPlanWithAWave, parameters)

@@ -199,26 +199,3 @@ def told(panel):
     """What stands in place of lesions."""
     (row,) = range(panel.ui.lesionTable.rowCount)
     return panel.ui.lesionTable.item(row, 0).text()
-
-
-def test_a_vessel_without_lesions_says_so(host, aPanel, aScene):
-    from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
-    from SDFStentLib.phantoms import straight_tube
-
-    made = straight_tube(edge_length=1.0)
-    for name, data in (
-        ("Tube", polydata_from_arrays(made.points, made.triangles)),
-        (
-            "Line",
-            polydata_from_lines(made.centerline.points, [np.arange(len(made.centerline.points))]),
-        ),
-    ):
-        node = aScene.AddNewNodeByClass("vtkMRMLModelNode", name)
-        node.SetAndObservePolyData(data)
-        selector = "vesselSelector" if name == "Tube" else "centerlineSelector"
-        getattr(aPanel.ui, selector).setCurrentNode(node)
-    assert found(host, aPanel) == ()
-    assert told(aPanel) == "No lesion of 15 % or more was found."
-    clickRow(host, aPanel.ui.lesionTable, 0)
-    assert aPanel.lesions.selected is None
-    assert not aPanel.ui.suggestButton.enabled

@@ -52,28 +52,6 @@ def test_nothing_moves_under_the_mouse_when_the_search_for_lesions_ends(host, aP
     assert while_searching == [bottomOf(one, aPanel) for one in (ui.lesionTable, ui.addStentButton)]
 
 
-def test_what_lies_below_the_tiles_stays_while_the_hand_moves(host, aStent):
-    from PySide6 import QtCore
-
-    ui, seen = aStent.ui, set()
-    aStent.parent.resize(520, 1300)
-    ui.autoUpdateCheckBox.checked = True
-    settle(host, aStent)
-    show = aStent._state.atHand.show
-
-    def noted(text, instead=""):
-        show(text, instead)
-        QtCore.QCoreApplication.sendPostedEvents()  # without timers: a run is in the midst of its turn
-        if ui.tilesLabel.visible:
-            seen.add((text.endswith("preview"), ui.tilesLabel.height))
-
-    aStent._state.atHand.show = noted
-    ui.diameterSlider.value = 8.0
-    settle(host, aStent)
-    assert {isPreview for isPreview, _height in seen} == {True, False}
-    assert len({height for _isPreview, height in seen}) == 1
-
-
 def test_a_closed_part_tells_what_is_set_in_it(host, aStent):
     ui = aStent.ui
     host.processUntil(lambda: not aStent.lesions.isBusy)
@@ -194,10 +172,10 @@ def test_nothing_that_happens_changes_the_width_of_the_panel(host, aStent, tmp_p
     host.widths(aStent).clear()
     deploy(host, aStent)
     ui.autoUpdateCheckBox.checked = True
-    for diameter in (2.0, 9.0, 59.0, 8.0):  # with warnings, refused
+    for diameter in (2.0, 59.0, 8.0):  # with warnings, refused
         ui.diameterSlider.value = diameter
         settle(host, aStent)
-    for placement in (1, 3, 4, 0):
+    for placement in (3, 4):
         host.choose(ui.placementComboBox, placement)
         settle(host, aStent)
     for name in (parameters.vessel, parameters.parameterNode, parameters.stent.handle):

@@ -118,14 +118,6 @@ def test_switching_puts_stents_and_results_back(host, aPlan):
     assert isSeen(second.outputVessel)
 
 
-def test_what_the_user_hides_stays_hidden(host, aPlan):
-    first = aPlan._parameterNode
-    first.stent.handle.GetDisplayNode().SetVisibility(False)
-    host.click(aPlan.ui.duplicatePlanButton)
-    aPlan.ui.planTable.selectRow(0)
-    assert not isSeen(first.stent.handle)
-
-
 def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
     ui, first = aPlan.ui, aPlan._parameterNode
     deploy(host, aPlan)

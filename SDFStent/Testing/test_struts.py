@@ -38,17 +38,3 @@ def test_struts_are_shown_in_place_of_tubes_and_tubes_again(host, aStent):
     box.checked = False
     host.process()
     assert cells(parameters) == tubes
-
-
-def test_struts_follow_the_expansion(host, aStent):
-    aStent.ui.showDeviceCheckBox.checked = True
-    deploy(host, aStent)
-    parameters = aStent._parameterNode
-    run, widths = aStent.logic.lastRun(parameters), []
-    for percent in (100.0, 60.0):
-        parameters.expansion = percent
-        host.process()
-        shown = run.end()[1] if percent == 100 else run.at(percent)[1]
-        widths.append(np.median(distances(parameters, run)))
-        assert widths[-1] == pytest.approx(max(shown[0].radius, 1.0), abs=0.02)
-    assert widths[1] < widths[0]
