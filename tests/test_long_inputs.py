@@ -140,6 +140,7 @@ def write_plan(folder, stents):
     (folder / "plan.json").write_text(json.dumps(plan_of(*stents)), encoding="utf-8")
 
 
+@pytest.mark.bench
 def test_thirty_stents_at_one_place_are_deployed_and_drawn(folder, in_time):
     write_plan(folder, [STENT] * 30)
     code, said = in_time("run", "plan.json", "-o", "thirty")

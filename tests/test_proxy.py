@@ -81,7 +81,7 @@ ANATOMIES = (
 
 
 @pytest.mark.parametrize("name", ANATOMIES)
-@pytest.mark.parametrize("ratios", [(1.05, 1.6), (1.6, 2.2)])
+@pytest.mark.parametrize("ratios", [(1.05, 1.6)])
 def test_the_preview_is_near_the_full_one_in_anatomies(sweep, data_dir, name, ratios):
     vessel = sweep.vessel(name, data_dir)
     for number in range(4):

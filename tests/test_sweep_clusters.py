@@ -148,6 +148,7 @@ def status_of(folder):
     return words.getvalue()
 
 
+@pytest.mark.bench
 def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are_killed(cluster):
     """Begun without workers. Held at 1 case the first is killed, held at 2 the scheduler."""
     folder = cluster.folder

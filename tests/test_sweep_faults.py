@@ -177,16 +177,13 @@ def test_a_sweep_with_a_worker_that_does_not_answer_can_be_interrupted(there):
     assert not any(map(is_alive, children))
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize(
     ("line", "words"),
     [
         ("", f"interrupted; {{}} of {COUNT} cases are kept in out"),
         # As on a disk that does not answer.
-        pytest.param(
-            "runner.write_manifest = lambda _: time.sleep(6000)",
-            "ended; what is whole is kept",
-            marks=pytest.mark.bench,
-        ),
+        ("runner.write_manifest = lambda _: time.sleep(6000)", "ended; what is whole is kept"),
     ],
 )
 def test_a_second_signal_ends_a_sweep_at_once_with_its_workers(there, line, words):

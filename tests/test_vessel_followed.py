@@ -23,7 +23,7 @@ TREES = (
     "su0243",
     pytest.param("su0243 without radii", marks=pytest.mark.bench),
     pytest.param("tree_narrowed", marks=pytest.mark.bench),
-    "tree_narrowed without radii",
+    pytest.param("tree_narrowed without radii", marks=pytest.mark.bench),
 )
 
 

@@ -80,6 +80,7 @@ def timers():
     return sum(isinstance(found, QTimer) for found in gc.get_objects())
 
 
+@pytest.mark.bench
 def test_deploying_again_and_again_makes_no_timers(host, aStent):
     deploy(host, aStent)
     before = timers()

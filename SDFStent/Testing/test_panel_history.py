@@ -1,6 +1,7 @@
 """Undo and Redo of what is done to a plan, whatever it was."""
 
 import numpy as np
+import pytest
 import slicer
 from panel_helpers import deploy, settle
 
@@ -102,6 +103,7 @@ def test_a_drag_is_one_step_and_the_handle_stays_the_users(host, aStent):
     assert isSame(stateOf(aStent), first)
 
 
+@pytest.mark.bench
 def test_a_stent_that_was_moved_goes_back_with_the_recoil_that_the_rule_found_late(host, aStent):
     """As where the application draws slowly: the rule's answer is a consequence of the move, not a step."""
     from SDFStentSlicer import Clock

@@ -42,8 +42,6 @@ def test_choices_are_those_of_the_library(theModule):
     ("name", "widget", "usual", "wide"),
     [
         ("influenceDistance", "influenceDistanceSlider", 30.0, 40.0),
-        ("smoothingWidth", "smoothingWidthSlider", 3.0, 4.0),
-        ("capsuleLength", "capsuleLengthSlider", 5.0, 8.0),
         ("tissueGap", "tissueGapSlider", 5.0, 7.0),
     ],
 )

@@ -75,6 +75,7 @@ def test_the_panels_plan_gives_the_same_wall_in_library_and_shell(thePlan, tmp_p
     )
 
 
+@pytest.mark.bench
 def test_the_shells_options_give_the_wall_of_the_panels_controls(thePlan, tmp_path):
     panel, _path = thePlan
     handle = panel._parameterNode.stent.handle

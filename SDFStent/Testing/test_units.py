@@ -98,7 +98,7 @@ def test_radii_are_not_those_of_a_vessel_that_is_stretched(host, aPanel, aTube):
     assert lumen == pytest.approx(np.quantile(before.inscribed_diameter, 0.75), rel=0.05)
 
 
-@pytest.mark.parametrize("kind", ["a model", "a curve"])
+@pytest.mark.parametrize("kind", [pytest.param("a model", marks=pytest.mark.bench), "a curve"])
 def test_a_centerline_without_radii_is_measured(host, aPanel, aTube, kind):
     """A new stent is as wide as the vessel there, whatever the file knows of it."""
     vessel, centerline = aTube(hasRadii=kind != "a model")
