@@ -180,16 +180,30 @@ class FlowModel:
         outlets = fitted_outlets(network, weights, sides, self.known)
         return _Case(network, sides, outlets)
 
-    def _networks(
-        self, cases: Sequence[_Case], after: Sequence[Channel] | None
-    ) -> list[list[Network]]:
-        """By case that before, and that after."""
-        if after is None:
-            return [[case.network] for case in cases]
-        widths = widths_of(after, (self.channels, self._widths))
-        blocks = {one: blocks_of(after, widths, self._stream, one) for one in self._blocks}
-        each = [case.network for case in cases]
-        return [[one, one._replace(blocks=blocks[one.method.wider])] for one in each]
+    @cached_property
+    def _cases(self) -> list[_Case]:
+        """The usual one first."""
+        return [self._usual, *(case for pair in self._others for case in pair)]
+
+    @cached_property
+    def _before(self) -> list[_Seen]:
+        """Before treatment, by case: the same for every stent that is tried."""
+        return self._seen([case.network for case in self._cases])
+
+    def _after(self, channels: Sequence[Channel]) -> list[_Seen]:
+        """The same with the channels after treatment."""
+        widths = widths_of(channels, (self.channels, self._widths))
+        blocks = {one: blocks_of(channels, widths, self._stream, one) for one in self._blocks}
+        each = [case.network for case in self._cases]
+        return self._seen([one._replace(blocks=blocks[one.method.wider]) for one in each])
+
+    def _seen(self, networks: Sequence[Network]) -> list[_Seen]:
+        """Networks by case at all flows into them, which are solved at once."""
+        flows = (PER_ML * _flows(self.known)).tolist()
+        both = list(zip(self._cases, networks, strict=True))
+        questions = [(one, case.outlets, q) for case, one in both for q in flows]
+        states = iter(steady_states(questions))
+        return [_Seen(case, one, list(islice(states, len(flows)))) for case, one in both]
 
     def answer(
         self,
@@ -210,18 +224,14 @@ class FlowModel:
         known, usual = self.known, self._usual
         solve = None if known.wave is None else solve
         ways = [self._ways.pieces_along(part.line, part.before) for part in parts]
-        cases = [usual, *(case for pair in self._others for case in pair)]
-        networks = self._networks(cases, after)
-        told = self._told(cases, networks, ways)
+        seen = [self._before] if after is None else [self._before, self._after(after)]
+        told = np.stack([[one.moments(known, ways) for one in cases] for cases in seen], axis=1)
         value = told[0]
         low, high = _reach(told)
+        networks = tuple(cases[0].network for cases in seen)
         if solve is not None:
-            value = np.array(
-                [
-                    usual.moments(known, one, ways, self._solved(solve, one), is_even=True)
-                    for one in networks[0]
-                ]
-            )
+            solved = [_Seen(usual, one, self._solved(solve, one)) for one in networks]
+            value = np.array([one.moments(known, ways, is_even=True) for one in solved])
         spread = np.stack([value, value - low, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         moments = [dict(zip(names, map(self._moment, state), strict=True)) for state in spread]
@@ -232,27 +242,10 @@ class FlowModel:
             names,
             moments[0],
             moments[1] if len(moments) > 1 else None,
-            tuple(networks[0]),
+            networks,
             usual.outlets,
             known.wave is not None and solve is None,
         )
-
-    def _told(
-        self,
-        cases: Sequence[_Case],
-        networks: Sequence[Sequence[Network]],
-        ways: Sequence[Sequence[Piece]],
-    ) -> Floats:
-        """By case, state and moment what `_Case.moments` has; all states are solved at once."""
-        flows = PER_ML * _flows(self.known)
-        both = [(case, one) for case, own in zip(cases, networks, strict=True) for one in own]
-        questions = [(one, case.outlets, float(q)) for case, one in both for q in flows]
-        states = iter(steady_states(questions))
-        told = [
-            case.moments(self.known, one, ways, list(islice(states, len(flows))))
-            for case, one in both
-        ]
-        return np.reshape(told, (len(cases), -1, *told[0].shape))
 
     def _solved(self, solve: Solve, network: Network) -> list[State]:
         """Over the wave; that before treatment is the same for every stent that is tried."""
@@ -290,38 +283,48 @@ class _Case(NamedTuple):
     sides: Sides | None
     outlets: Outlets
 
+
+class _Seen:
+    """A network with the outlets of a case at some flows into it."""
+
+    def __init__(self, case: _Case, network: Network, states: Sequence[State]) -> None:
+        self.network, self._states = network, states
+        self._drops: dict[tuple[Piece, ...], Floats] = {}
+        self._into = np.array([one.flow[0] for one in states])
+        head = [np.array([one.inlet for one in states]) / PASCAL_PER_MMHG]
+        blocks = (None, None) if case.sides is None else case.sides.blocks
+        with np.errstate(invalid="ignore", divide="ignore"):
+            head += [self._flow(block) / self._into for block in blocks]
+        self._head = np.stack(head, axis=1)
+
+    def _flow(self, block: int | None) -> Floats:
+        """Through a block (t,); not known without one."""
+        nothing = np.full(len(self._states), np.nan)
+        return nothing if block is None else np.array([one.flow[block] for one in self._states])
+
+    def _drop(self, pieces: tuple[Piece, ...]) -> Floats:
+        """Over a part (t, 2), mmHg."""
+        known = self._drops.get(pieces)
+        if known is None:
+            found = [drop_over(pieces, self.network, one.flow) for one in self._states]
+            known = np.array(found) / PASCAL_PER_MMHG
+        return known
+
     def moments(
-        self,
-        known: Known,
-        network: Network,
-        parts: Sequence[Sequence[Piece]],
-        states: Sequence[State],
-        *,
-        is_even: bool = False,
+        self, known: Known, parts: Sequence[tuple[Piece, ...]], *, is_even: bool = False
     ) -> Floats:
         """By moment and quantity: inlet, both shares, and two drops for every part.
 
         The states are those of `_flows`, or of even times of a cycle.
         """
-        every = np.array([self._at(network, parts, one) for one in states])
+        # Those of this answer are kept: lesions are asked for again, a stent elsewhere is not.
+        self._drops = {pieces: self._drop(pieces) for pieces in parts}
+        every = np.hstack([self._head, *map(self._drop, parts)])
         if known.wave is None:
             return every
-        into = np.array([one.flow[0] for one in states])
         cycle = slice(None if is_even else SAMPLES)
         averaged = every[cycle].mean(axis=0)
         # Of the flow to a side counts how much goes there in a cycle.
-        flow = into[cycle]
+        flow = self._into[cycle]
         averaged[1:3] = (every[cycle, 1:3] * flow[:, None]).sum(axis=0) / flow.sum()
-        return np.stack([averaged, every[int(np.argmax(into))]])
-
-    def _at(self, network: Network, parts: Sequence[Sequence[Piece]], state: State) -> Floats:
-        found = [state.inlet / PASCAL_PER_MMHG, np.nan, np.nan]
-        if self.sides is not None:
-            through = float(state.flow[0])
-            found[1:] = [
-                float(state.flow[k]) / through if through else np.nan for k in self.sides.blocks
-            ]
-        for pieces in parts:
-            drop = drop_over(pieces, network, state.flow)
-            found += [drop.recovered / PASCAL_PER_MMHG, drop.maximal / PASCAL_PER_MMHG]
-        return np.array(found)
+        return np.stack([averaged, every[int(np.argmax(self._into))]])
