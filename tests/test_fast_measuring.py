@@ -8,6 +8,7 @@ from deployment_cases import ONE_ANATOMY, VESSELS, vessel_named
 from plain_measuring import nearest_points, plain_sphere
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
+from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Balls, Line, Surface, SurfaceIndex, nearest_distances
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
@@ -24,7 +25,7 @@ from SDFStentLib.lumen.cross_section import _lumen_area
 from SDFStentLib.lumen.spheres import inscribed
 from SDFStentLib.lumen.wall_map import cuts_across
 from SDFStentLib.phantoms import stenosed_tube, vascular_tree
-from SDFStentLib.vessel import branch_lumen
+from SDFStentLib.vessel import branch_lumen, find_lesions, own_diameters
 from SDFStentLib.vessel.branch_lumen import branch_lumens, tree_lumen
 from SDFStentLib.vessel.own_diameters import measured_runs
 from SDFStentLib.vessel.runs import vessel_runs
@@ -52,6 +53,18 @@ def a_vessel(request):
 def a_vessel_and_its_tree(request):
     made = narrowed_tree() if request.param == "tree" else vessel_named(request)
     return made.surface, made.centerline
+
+
+@pytest.mark.parametrize("name", ["su0243", "tree_narrowed"])
+def test_vessels_that_rough_spheres_pass_over_have_no_lesion(data_dir, monkeypatch, name):
+    """One of 28 % at an ostium was passed over, and half of one across a branch."""
+    surface = read_surface(data_dir / f"{name}_surface_mm.vtp").surface
+    line = read_centerline(data_dir / f"{name}_centerline_mm.vtp")
+    told = find_lesions(surface, line)
+    monkeypatch.setattr(own_diameters, "may_be_narrowed", lambda *_: True)
+    every = find_lesions(Surface(surface.points, surface.triangles), line)
+    assert [one.point for one in told] == [one.point for one in every]
+    assert [one.percent_diameter for one in told] == [one.percent_diameter for one in every]
 
 
 @pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])

@@ -106,13 +106,22 @@ class _Sides(NamedTuple):
     """and by which share of its width the vessel is narrower beyond it, per mm."""
 
 
-def narrowings(run: VesselRun, eased: float = 0.0) -> list[Narrowing]:
-    """The narrowings of a vessel from its start to its end, or shallower ones by so much, too."""
+def may_be_narrowed(run: VesselRun, eased: float) -> bool:
+    """Whether some place of a vessel is in a narrowing, or nearly: by so much of its reference."""
+    along, diameter = known_stations(run)
+    if len(along) < 3:
+        return False
+    before, after = _sides(run, along, diameter, plateaus_of(run))
+    return bool(_degrees(along, diameter, before, after, eased)[1].any())
+
+
+def narrowings(run: VesselRun) -> list[Narrowing]:
+    """The narrowings of a vessel from its start to its end."""
     along, diameter = known_stations(run)
     if len(along) < 3:
         return []
     before, after = _sides(run, along, diameter, plateaus_of(run))
-    degree, counts = _degrees(along, diameter, before, after, eased)
+    degree, counts = _degrees(along, diameter, before, after)
     parts = parts_of(along, degree > EDGE_DEGREE, diameter / (1 - degree))
     found: list[Narrowing] = []
     # Ends: each round drops a part, or at least the throat of one. What lies in the narrowing
@@ -253,7 +262,7 @@ def _where_lost(
 
 
 def _degrees(
-    along: Floats, diameter: Floats, before: _Sides, after: _Sides, eased: float
+    along: Floats, diameter: Floats, before: _Sides, after: _Sides, eased: float = 0.0
 ) -> tuple[Floats, Flags]:
     """How much narrower (n,) than the line from plateau to plateau, and where that counts."""
     span = after.along - before.along

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry import NearPairs, SurfaceIndex, may_meet_box, nearest_distances
 from ...validation import Flags, Floats, Indices, Points, Triangles
 
 _AMPLY = 1.1
 """Factor on what the box is to grow by, against rounding."""
+
+_ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+"""What makes one number of the three of a place; any large odd ones would do."""
 
 _ROUND = 2.5
 """Margin of the box that holds the wall round some centers, in distances to some of it."""
@@ -94,13 +98,16 @@ class LocalSurface:
         self._cover(centers, radii)
 
     def chosen(self, stride: float) -> Flags:
-        """A random part of the triangles that have been asked for, about one of so many.
+        """A part of the triangles that have been asked for, about one of so many.
 
-        A triangle is chosen or not, whatever else has been asked for.
+        By where they are alone: a triangle is chosen or not whatever else has been asked for, in
+        whatever order a file has them, and turned from LPS to RAS. Else as if at random: a regular
+        choice could leave out whole sides of a regular mesh.
         """
-        # A regular choice could leave out whole sides of a regular mesh.
-        number = np.random.default_rng(0).random(len(self._triangles), dtype=np.float32)
-        return number[self._kept] * stride < 1
+        places = np.ascontiguousarray(np.abs(self._points)).view(np.uint64)
+        scattered = _scattered(places @ _ODD)
+        corners = [scattered.take(column) for column in self._triangles[self._kept].T]
+        return _scattered(np.add.reduce(corners)) * (stride / 2.0**64) < 1
 
     def _vertex_distances(self, centers: Points) -> Floats:
         """Distance (n,) to the nearest of some thousand vertices, which bounds that to the wall."""
@@ -138,6 +145,15 @@ class LocalSurface:
         # Doubling spares growing at every step, but twice the margin of a centre on a vertex is 0.
         self._grow(max(2 * self._margin, self._margin + _AMPLY * missing))
         return True
+
+
+def _scattered(numbers: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Numbers that are all over the place, and always the same for the same ones."""
+    # The last steps of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+    first, second, last = np.uint64(30), np.uint64(27), np.uint64(31)
+    numbers = (numbers ^ (numbers >> first)) * np.uint64(0xBF58476D1CE4E5B9)
+    numbers = (numbers ^ (numbers >> second)) * np.uint64(0x94D049BB133111EB)
+    return numbers ^ (numbers >> last)
 
 
 def _extent(points: Points) -> tuple[Floats, Floats]:
