@@ -144,6 +144,9 @@ class LesionTable:
 
     def _done(self, error):
         search = self._search
+        if error is not None or search.sentence:
+            # Vessel and centerline do not belong together: there something else is to be chosen.
+            self.ui.inputsCollapsibleButton.collapsed = False
         if error is not None:
             self._show(str(error))
         else:

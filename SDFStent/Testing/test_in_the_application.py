@@ -184,6 +184,10 @@ def test_results_are_in_one_folder_per_parameter_set(aLogic, theParameters, aSce
 
 
 def test_vessel_and_centerline_stay_open_until_they_can_be_used(host, aPanel, aVessel):
+    from SDFStentSlicer import Conversion
+
+    from SDFStentLib.files import polydata_from_lines
+
     ui, (vessel, centerline) = aPanel.ui, aVessel
     ui.vesselSelector.setCurrentNode(vessel)
     for chosen in (vessel, centerline, vessel):  # the list of centerlines offers surfaces, too
@@ -192,3 +196,10 @@ def test_vessel_and_centerline_stay_open_until_they_can_be_used(host, aPanel, aV
         assert ui.inputsCollapsibleButton.collapsed == (chosen is centerline)
         assert ("expected a model of lines" in ui.lesionLabel.text) == (chosen is vessel)
         ui.inputsCollapsibleButton.collapsed = False  # to choose another one
+    points, lines, _radii = Conversion.centerlineLines(centerline)
+    centerline.SetAndObservePolyData(polydata_from_lines(points + 500.0, lines))
+    ui.inputsCollapsibleButton.collapsed = True
+    ui.centerlineSelector.setCurrentNode(centerline)
+    host.processUntil(lambda: not aPanel.lesions.isBusy)
+    assert "centerline" in ui.lesionLabel.text
+    assert not ui.inputsCollapsibleButton.collapsed
