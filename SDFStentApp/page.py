@@ -90,6 +90,9 @@ class Page:
         self.home = Path(told.get("kept") or self.workshop.name)
         self.uploads = Uploads(self.home / "uploads")
         self.folders = Folders([*told["folders"], self.uploads.folder])
+        self._unseen = [str(self.uploads.folder), str(self.home)]
+        self._forget: asyncio.TimerHandle | None = None
+        slicer.util.showStatusMessage = self.tell
         self.widget = _panel(told["module"])
         self.panel = self.widget.ui
         self._dirty: dict[str, Any] = {}
@@ -98,7 +101,6 @@ class Page:
         self._edited_at = -1
         self._shown_results: tuple[Any, ...] = ()
         self._pointed = -1
-        self._unseen = [str(self.uploads.folder), str(self.home)]
         self._kept: list[Kept] = []
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -198,6 +200,17 @@ class Page:
         """A sentence above the panel; "" takes it away."""
         with self.server.state:
             self.server.state.message = self._seen(sentence)
+
+    def tell(self, sentence: str, milliseconds: int) -> None:
+        """A sentence over the view for some time, as in Slicer's status bar; "" takes it away."""
+        if self._forget is not None:
+            self._forget.cancel()
+            self._forget = None
+        with self.server.state:
+            self.server.state.said = self._seen(sentence)
+        if sentence:
+            loop = asyncio.get_running_loop()
+            self._forget = loop.call_later(milliseconds / 1000, self.tell, "", 0)
 
     def _seen(self, text: str) -> str:
         """What the browser has sent, and what it is given to keep, is called as it is there: nobody sees our folders."""
@@ -501,7 +514,6 @@ def _panel(folder: Path) -> Any:
 
     Clock.use(python_layer.AsyncTimer)
     slicer.util.modulePath = lambda _name: str(folder / "SDFStent.py")
-    slicer.util.showStatusMessage = lambda *_: False  # a page has no status bar
     layout = SimpleNamespace(addWidget=lambda _widget: None)
     widget = SDFStentWidget(SimpleNamespace(layout=lambda: layout, isEntered=True))
     widget.setup()

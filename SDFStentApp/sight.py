@@ -160,7 +160,7 @@ def build(page: Any) -> None:
                     send_mouse_move=True,
                     event_throttle_ms=(str(EVENT_EVERY_MS),),
                 )
-                html.Div(template.AT_HAND + template.bar(), classes="over")
+                html.Div(template.AT_HAND + template.bar() + template.SAID, classes="over")
             html.Div(template.DIAMETERS)
 
 
@@ -169,6 +169,7 @@ def _begin(page: Any) -> None:
     state.trame__title = TITLE
     state.trame__template_error = template.GONE
     state.message, state.isPlacing, state.isSaving, state.canSave = "", False, False, False
+    state.said = ""
     state.surfacePath = state.centerlinePath = state.chosenPath = ""
     state.fileUnits = page.told.get("units", "mm")
     state.chooser, state.opened, state.made = {}, 0, 0

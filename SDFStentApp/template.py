@@ -280,6 +280,10 @@ AT_HAND = """
 """
 
 
+SAID = '<div class="said" v-show="said" role="status" data-name="said">{{ said }}</div>'
+"""What was said last, where it is seen whatever part of the panel is."""
+
+
 def bar() -> str:
     """What can be done with the view."""
     sides = "".join(

@@ -683,6 +683,10 @@ def test_a_segment_and_a_mesh_of_ones_own_are_kept_by_the_browser(a_visit, the_f
     a_visit.until("lumenLabel", "At the mean flow of 50 mL/s (3 L/min)")
     assert json.loads(a_visit.saved("write0DButton"))["vessels"]
     a_visit.until("statusLabel", "Wrote network.json.")
+    a_visit.page.locator(".panel").evaluate("panel => panel.scrollTo(0, panel.scrollHeight)")
+    playwright.expect(a_visit.named("statusLabel")).not_to_be_in_viewport()
+    playwright.expect(a_visit.named("said")).to_have_text("Wrote network.json.")
+    playwright.expect(a_visit.named("said")).to_be_in_viewport(ratio=1)
     assert [text for text in a_visit.page.evaluate("window.texts") if "sdfstent-" in text] == []
 
 
