@@ -94,12 +94,15 @@ UNFOLD = """window.unfold = name => {
 };"""
 """Show a part of the panel."""
 
-KEYS = """const keys = {Escape: 'Esc', ArrowLeft: 'Left', ArrowRight: 'Right', Delete: 'Del'};
+KEYS = """const named = {Escape: 'Esc', ArrowLeft: 'Left', ArrowRight: 'Right', Delete: 'Del'};
 const buttons = {z: 'undoButton', y: 'redoButton'};
 window.addEventListener('keydown', event => {
   const {target} = event, isTyped = target.matches('input:not([type=checkbox]), select');
   const button = (event.ctrlKey || event.metaKey) && buttons[event.key];
-  const key = keys[event.key], widget = target.closest('[data-name]');
+  const key = named[event.key], widget = target.closest('[data-name]');
+  const keys = document.querySelector('.keys');
+  if (keys.open) return;
+  if (event.key === '?' && !isTyped) return keys.showModal();
   if (isTyped && key !== 'Esc' || !key && !button) return;
   if (button || key.length > 3) event.preventDefault();
   if (button) return window.inOrder('click', [button]);
@@ -160,7 +163,10 @@ def build(page: Any) -> None:
                     send_mouse_move=True,
                     event_throttle_ms=(str(EVENT_EVERY_MS),),
                 )
-                html.Div(template.AT_HAND + template.bar() + template.SAID, classes="over")
+                html.Div(
+                    template.AT_HAND + template.bar() + template.SAID + template.HELP,
+                    classes="over",
+                )
             html.Div(template.DIAMETERS)
 
 

@@ -280,6 +280,23 @@ AT_HAND = """
 """
 
 
+KEYS = (
+    ("Left, Right", "move the selected stent by 1 mm along the vessel, with Shift by 0.2"),
+    ("Delete", "take the selected stent away"),
+    ("Up, Down, Enter", "go through the rows of a table, and choose one"),
+    ("Ctrl+Z, Ctrl+Y", "undo and redo"),
+    ("Escape", "end placing, close a question"),
+    ("?", "show these keys"),
+)
+"""What they do."""
+
+HELP = (
+    '<dialog class="keys" data-name="keys" aria-label="Keys"><dl>'
+    + "".join(f"<dt>{keys}</dt><dd>{words}</dd>" for keys, words in KEYS)
+    + '</dl><form method="dialog"><button type="submit">Close</button></form></dialog>'
+)
+"""The keys that the page hears."""
+
 SAID = '<div class="said" v-show="said" role="status" data-name="said">{{ said }}</div>'
 """What was said last, where it is seen whatever part of the panel is."""
 
@@ -294,7 +311,9 @@ def bar() -> str:
     return f"""<div class="bar" role="toolbar" aria-label="View">
 <button type="button" title="See the whole vessel" @click="trigger('fit')" data-name="fitButton">Fit</button>{sides}
 <button type="button" title="Keep what the view shows as a picture" @click="trigger('picture')" data-name="pictureButton">\
-Save picture</button></div>"""
+Save picture</button>
+<button type="button" title="Keys" aria-label="Keys" onclick="document.querySelector('.keys').showModal()" data-name="keysButton">?</button>
+</div>"""
 
 
 SPLIT = """

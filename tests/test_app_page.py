@@ -799,3 +799,8 @@ def test_keys_move_a_stent_end_placing_take_back_and_choose_rows(a_visit):
     playwright.expect(a_visit.named("chooser")).to_be_visible()
     keyboard.press("Escape")
     playwright.expect(a_visit.named("chooser")).not_to_be_attached()
+    for show in (lambda: keyboard.press("?"), a_visit.named("keysButton").click):
+        show()
+        playwright.expect(a_visit.named("keys")).to_be_visible()
+        keyboard.press("Escape")
+        playwright.expect(a_visit.named("keys")).to_be_hidden()
