@@ -15,7 +15,13 @@ from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.certificate import check_surface
-from SDFStentLib.files import polydata_from_arrays, read_surface, surface_from_polydata
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.files import (
+    polydata_from_arrays,
+    read_centerline,
+    read_surface,
+    surface_from_polydata,
+)
 from SDFStentLib.geometry import Line, NamedFaces, Surface, signed_volume
 from SDFStentLib.lumen import flat_caps
 from SDFStentLib.phantoms import (
@@ -27,7 +33,8 @@ from SDFStentLib.phantoms import (
     tube_with_neighbor,
     vascular_tree,
 )
-from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment
+from SDFStentLib.stent import AtDistalEnd, Stent
+from SDFStentLib.treatment import SegmentWishes, Treatment, Vessel, extract_segment
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import branch_names
 
@@ -382,3 +389,17 @@ def test_a_wall_that_crosses_itself_is_a_sentence():
     vessel = Vessel(tube.surface.with_points(points), tube.centerline)
     with pytest.raises(DeploymentError, match="expected one that is watertight and sound"):
         extract_segment(vessel, [0, 0, 10], [0, 0, 30])
+
+
+def test_a_plane_that_meets_another_vessel_after_treatment_only_is_refused(data_dir):
+    """A stent in the left artery opens its ostium: the plane cut off the trunk with it, 5.3 cm2."""
+    file = read_surface(data_dir / "su0243_surface_mm.vtp")
+    tree = read_centerline(data_dir / "su0243_centerline_mm.vtp")
+    vessel = Vessel(file.surface, tree, faces=file.faces)
+    stent = Stent(6.0, length=34, placement=AtDistalEnd((12.436, -70.277, -63.72)))
+    settings = DeploymentSettings(certify=False)
+    treated = Treatment(file.surface, [stent], tree, settings).result.surface
+    after = Vessel(treated, tree, faces=file.faces)
+    ends = [2.72, -88.7, -50.39], [12.436, -70.277, -63.72]
+    with pytest.raises(InputError, match="into another vessel after treatment; move it 0"):
+        extract_segment(vessel, *ends, after=after)

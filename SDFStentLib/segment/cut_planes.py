@@ -63,10 +63,12 @@ class TriedPlace(NamedTuple):
 class PlaneFinder:
     """A vessel that is asked for its sections again and again."""
 
-    def __init__(self, vessel: VesselParts) -> None:
+    def __init__(self, vessel: VesselParts, treated: VesselParts | None = None) -> None:
+        """`treated` is the same vessel after treatment, which planes have to meet as well."""
         from scipy.spatial import cKDTree
 
         self.vessel = vessel
+        self.treated = None if treated is None else PlaneFinder(treated)
         self.points, self.triangles = vessel.surface.points, vessel.surface.triangles
         self.is_cap = np.isin(vessel.ids, list(vessel.caps))
         self.axis = vessel.tree.resampled(SPACING)
@@ -109,7 +111,10 @@ class PlaneFinder:
             return "runs through an end of the vessel"
         if self._is_crossed_elsewhere(section, origin, normal):
             return "cuts a branch of it, too"
-        return "runs into another vessel" if self._is_elsewhere(section, origin) else ""
+        if self._is_elsewhere(section, origin):
+            return "runs into another vessel"
+        fault = "" if self.treated is None else self.treated.fault(origin, normal)
+        return f"{fault} after treatment" if fault else ""
 
     def steps(self, line: Line) -> Iterator[TriedPlace]:
         """Places along a line and its direction there."""

@@ -58,7 +58,12 @@ class SegmentEnds(NamedTuple):
 
 
 def segment_ends(
-    vessel: VesselParts, start: Points, end: Points, *, nearest: bool = False
+    vessel: VesselParts,
+    start: Points,
+    end: Points,
+    *,
+    nearest: bool = False,
+    treated: VesselParts | None = None,
 ) -> SegmentEnds:
     """What planes at two places bound.
 
@@ -70,6 +75,8 @@ def segment_ends(
     nearest : bool
         Whether an end where no plane meets only this vessel moves into the segment, as far as it
         takes.
+    treated : VesselParts, optional
+        The vessel after treatment: planes have to meet it alone in that state, too.
 
     Raises
     ------
@@ -86,7 +93,7 @@ def segment_ends(
             f"centerline, {vessel.said(places[0].point)}; move one of them, or check their unit "
             "(mm, cm) and frame (RAS, LPS)."
         )
-    finder, lines = PlaneFinder(vessel), (way, way.reversed())
+    finder, lines = PlaneFinder(vessel, treated), (way, way.reversed())
     for place, line, word in zip(places, lines, WORDS, strict=True):
         finder.check_inside(line, place, word)
     planes, faults = _planes(finder, places)

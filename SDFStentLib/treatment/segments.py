@@ -91,7 +91,10 @@ def extract_segment(
     ends = segment_ends(parts, start, end, nearest=wishes.nearest)
     states: tuple[OpenSegment, ...] = (ends.opened,)
     if after is not None:
-        states = (*states, _treated(ends.opened, _state_of(parts, vessel, after)))
+        state = _state_of(parts, vessel, after)
+        _treated(ends.opened, state)  # another vessel fails here
+        ends = segment_ends(parts, start, end, nearest=wishes.nearest, treated=state)
+        states = (ends.opened, _treated(ends.opened, state))
     left: tuple[OpenBranch, ...] = ()
     if wishes.close_branches or wishes.cut_branches:
         outlets = not wishes.close_branches
