@@ -316,6 +316,14 @@ def test_the_clinicians_part_comes_first_and_what_is_to_be_checked_last(document
     assert re.search(r"\.details\{break-before:page\}", page)
 
 
+def test_a_diameter_is_told_to_the_hundredth_where_it_was_set_so(document):
+    """Else one page said 6.2 mm in two places and 6.25 mm in a third."""
+    stent = document["stents"][0] | {"lumen_diameter_mm": 6.25}
+    page = html_page(document | {"stents": [stent]})
+    assert "Stent of 6.25 mm x 18.0 mm" in page
+    assert "<td>Prescribed lumen diameter</td><td>6.25 mm</td>" in page
+
+
 def test_the_page_holds_the_picture_or_says_why_there_is_none(tmp_path, result, document):
     png = b"\x89PNG\r\n" + bytes(range(256))
     write_report(plan_report(result, picture=png), tmp_path / "r.html")

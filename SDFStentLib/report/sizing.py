@@ -18,7 +18,7 @@ from ..treatment import (
 )
 from ..vessel import HealthyPlace
 from .facts import RATIOS, TO_HEALTHY
-from .words import UNKNOWN, millimeters, number_text
+from .words import UNKNOWN, millimeters, number_text, size_words
 
 
 def suggestion_sentences(suggestion: Suggestion, devices: Sequence[Device] = ()) -> list[str]:
@@ -241,15 +241,17 @@ def _reference(covered: Sequence[TreatedLesion]) -> float | None:
 
 def balloon_rows(stent: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Name and value of balloon, lumen and reference of a report's stent."""
-    balloon, digits = stent["balloon_diameter_mm"], 1
+    balloon, lumen = stent["balloon_diameter_mm"], size_words(stent["lumen_diameter_mm"])
     rows = [("Redilation", f"of stent {stent['redilates']}")] if "redilates" in stent else []
     if balloon is not None:
-        digits, recoil = 2, f"{100 * stent['recoil_fraction']:g} % of the balloon"
+        recoil = f"{100 * stent['recoil_fraction']:g} % of the balloon"
+        lumen = millimeters(stent["lumen_diameter_mm"])
         rows.append((DIAMETERS["balloon_diameter_mm"], millimeters(balloon)))
         rows.append(("Recoil", f"{recoil}: {stent['recoil_reason']}"))
-    for key, places in (("lumen_diameter_mm", digits), ("reference_diameter_mm", 2)):
-        if stent[key] is not None:
-            rows.append((DIAMETERS[key], millimeters(stent[key], places)))
+    rows.append((DIAMETERS["lumen_diameter_mm"], lumen))
+    if stent["reference_diameter_mm"] is not None:
+        reference = millimeters(stent["reference_diameter_mm"])
+        rows.append((DIAMETERS["reference_diameter_mm"], reference))
     labels = {key: f"{TO_HEALTHY} {where}" for key, where in RATIOS.items()}
     for key, words in {**labels, "balloon_to_stenosis": "Balloon : stenosis"}.items():
         ratio = stent.get(key)

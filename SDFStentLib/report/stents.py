@@ -10,7 +10,7 @@ from ..stent import OfStent, Stent
 from ..treatment import TreatedStent
 from .devices import section_device_rows
 from .sizing import balloon_rows
-from .words import millimeters, number_text, plain_text, point_words
+from .words import millimeters, number_text, plain_text, point_words, size_words
 
 _PLACEMENTS = {
     "AtCenter": "by its middle",
@@ -43,8 +43,10 @@ def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def stent_words(stent: Mapping[str, Any]) -> str:
     """Size and placement in one sentence."""
-    sizes = [millimeters(stent[f"{key}_mm"], 1) for key in ("lumen_diameter", "deployed_length")]
-    words = f"Stent of {' x '.join(sizes)}{_packed_words(stent)}, placed {_placed(stent)}"
+    size, length = size_words(stent["lumen_diameter_mm"]), stent["deployed_length_mm"]
+    words = (
+        f"Stent of {size} x {millimeters(length, 1)}{_packed_words(stent)}, placed {_placed(stent)}"
+    )
     again = stent.get("dilated_again_as")
     return f"{words}, dilated again as stent {again}." if again else f"{words}."
 

@@ -112,6 +112,11 @@ def millimeters(value: float | None, digits: int = 2, *, signed: bool = False) -
     return f"{sign}{number_text(value, digits)} mm"
 
 
+def size_words(value: float) -> str:
+    """A size that was set: to a tenth of a millimeter, or to a hundredth where that tells more."""
+    return millimeters(value, 1 if round(value, 1) == round(value, 2) else 2)
+
+
 def degree_word(percent: float | None) -> str:
     """Percent stenosis; there is none where it is nothing, to the percent, or less."""
     if percent is None or not math.isfinite(percent):
