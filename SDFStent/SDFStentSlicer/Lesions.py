@@ -16,7 +16,7 @@ def withSections(lesions):
 class LesionSearch:
     """The lesions of one vessel with one centerline. No nodes in here.
 
-    `found` is None until `portions` was run to its end, then a tuple of the library's `Lesion`, the tightest first; `sentence`
+    `found` is None until `portions` was run to its end, then a tuple of the library's `Lesion`, in its order; `sentence`
     says why it is empty where the vessel could not be searched, `remark` what to know of the vessel.
     """
 

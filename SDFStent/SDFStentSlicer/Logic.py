@@ -153,7 +153,7 @@ class SDFStentLogic(
     def lesionSearch(self, parameterNode):
         """The search for the lesions of the vessel; None before vessel and centerline are chosen.
 
-        `for _ in search.portions(): pass` ends with `search.found`, the library's lesions, the tightest first.
+        `for _ in search.portions(): pass` ends with `search.found`, the library's lesions, in its order.
         """
         if parameterNode.vessel is None or parameterNode.centerline is None:
             return None

@@ -34,7 +34,7 @@ LINES = 8
 """Of a vessel on the screen, without the tables that are asked for, unless all of it is."""
 
 LISTED = 5
-"""Of many lesions, the tightest ones."""
+"""Of many lesions, the first ones."""
 
 _PROBE_DIAMETER = 1.0
 """Of the stent that stands for the place to be measured, mm; it only has to be some number."""
@@ -79,7 +79,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def _lesion_lines(inputs: InputFiles, smallest: float, *, is_short: bool) -> list[str]:
-    """The lesions, or the tightest ones of many."""
+    """The lesions, or the first ones of many."""
     lesions, units = inputs.vessel.lesions or (), inputs.surface.units
     large, small = lesions_by_size(lesions, smallest)
     # Sections are cut for every sentence: none is made that is not told.

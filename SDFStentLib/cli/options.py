@@ -188,8 +188,9 @@ def _compare(command: argparse.ArgumentParser) -> None:
 
 def _measure(command: argparse.ArgumentParser) -> None:
     command.description = (
-        "Lesions of a vessel tree, the tightest first, and diameters along a part of it: of the "
-        "largest inscribed sphere and of the circle with the area of the cross-section."
+        "Lesions of a vessel tree, those of main vessels first, then the tightest, and diameters "
+        "along a part of it: of the largest inscribed sphere and of the circle with the area of "
+        "the cross-section."
     )
     add_table(command, SURFACE)
     place = command.add_argument_group("where")
@@ -217,7 +218,7 @@ def _suggest(command: argparse.ArgumentParser) -> None:
         command,
         f"""\
 -o, --output PLAN  to write (default SURFACE_plan.json)
---lesion N ...  numbered as `measure` lists them; may be repeated (default 1, the tightest)
+--lesion N ...  numbered as `measure` lists them; may be repeated (default 1)
 --ratio R = 1  lumen over the smaller healthy vessel beside the lesion (default 1)
 --margin MM = 0  how far beyond both ends of the lesion (default 0)
 {DEVICE}{DEVICE_TABLE}""",

@@ -51,7 +51,7 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def _numbers(options: argparse.Namespace, inputs: InputFiles) -> list[int]:
-    """Of the lesions that are to be treated, each once: the tightest one by default."""
+    """Of the lesions that are to be treated, each once: the first one by default."""
     numbers = list(dict.fromkeys(options.lesion or [1]))
     for number in numbers:
         check_lesion_number(number, inputs, "--lesion", "there is nothing to treat")

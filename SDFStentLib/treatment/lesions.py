@@ -26,7 +26,7 @@ class TreatedLesion:
     Attributes
     ----------
     number : int
-        Among the vessel's lesions, from 1 for the tightest.
+        Among the vessel's lesions, from 1.
     before, after : Lesion
         The same part of the vessel before any stent and after all of them.
     stents : tuple of int
