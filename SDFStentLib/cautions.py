@@ -295,6 +295,12 @@ def by_gravity(cautions: Iterable[Caution]) -> list[Caution]:
     return sorted(cautions, key=lambda caution: order.get(caution.kind, len(order)))
 
 
+def told_place(place: Place, units: str) -> str:
+    """A place to a tenth of a millimeter, and in the unit of the file where that is another."""
+    x, y, z = place
+    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm{in_file(place, units)}"
+
+
 def in_file(place: Place | None, units: str) -> str:
     """A place in mm in the unit of the file, to stand behind that in mm; empty where that is it."""
     if place is None or units == "mm":

@@ -85,6 +85,7 @@ def test_a_wall_pushed_through_the_other_is_named_with_its_place(sphere):
         f"Surface not certified for meshing: it has {len(new)} triangles that newly"
     )
     assert f"near {certificate.places[0]}" in sentence
+    assert f"near {certificate.places[0]} (in the file " in certificate.sentence("cm")
     record = json.loads(json.dumps(certificate.as_dict()))
     assert record["self_intersections"] == {
         "before": 0,

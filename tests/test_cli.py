@@ -264,8 +264,10 @@ def test_check_tells_sound_surfaces_from_others(a_folder, capsys):
     assert main(["check", "bad.vtp", "--json"]) == 3
     document = json.loads(capsys.readouterr().out)
     assert document["self_intersecting_triangles"]
-    assert main(["check", "bad.vtp"]) == 3
-    assert "intersect another one" in capsys.readouterr().out
+    assert main(["check", "bad.vtp", "--units", "m"]) == 3
+    said = capsys.readouterr().out
+    assert "intersect another one" in said
+    assert re.search(r" turned over near \(.*\) mm \(in the file .* m\)\.", said)
     assert main(["check", "bad.vtp", "--quiet"]) == 3
     assert capsys.readouterr().out == ""
 

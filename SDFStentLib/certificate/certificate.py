@@ -79,16 +79,19 @@ class Certificate:
         """At most two faces at every edge, one fan at every vertex."""
         return self.topology.is_manifold
 
-    def sentence(self) -> str:
-        """The finding in one sentence for the person who will use the surface."""
+    def sentence(self, units: str = "mm") -> str:
+        """The finding in one sentence for the person who will use the surface.
+
+        Places are told in mm and in the unit of its file.
+        """
         if not self.passed:
-            return f"{NOT_CERTIFIED}: it has {'; '.join(self._faults())}."
+            return f"{NOT_CERTIFIED}: it has {'; '.join(self._faults(units))}."
         shape = self.topology.in_words()
         old = len(self.self_intersecting_after)
         kept = f"; {count_in_words(old)} intersected already in the input" if old else ""
         if self.topology.is_orientable and not self.topology.is_consistently_wound:
             kept += "; triangles are wound against their neighbors, as they were"
-        wide = f"; {lumen_in_words(self.lumen)}" if self.lumen else ""
+        wide = f"; {lumen_in_words(self.lumen, units)}" if self.lumen else ""
         return f"{CERTIFIED}: it is {shape}, as it was, and has no new fault{kept}{wide}."
 
     def cautions(self) -> tuple[Caution, ...]:
@@ -99,24 +102,25 @@ class Certificate:
     def _checks(self) -> tuple[LumenCheck | MotionCheck, ...]:
         return (*self.lumen, *self.motion)
 
-    def _faults(self) -> list[str]:
+    def _faults(self, units: str) -> list[str]:
         """What is wrong, each with a number and a place."""
-        faults = [check.fault() for check in self._checks if not check.passed]
+        faults = [check.fault(units) for check in self._checks if not check.passed]
         if not self.places:
             return faults
         triangles = faults_in_words(
             self.places,
+            units,
             (len(self.new_self_intersecting), "that newly intersect"),
             (len(self.new_inverted), "newly turned over"),
             (len(self.new_degenerate), "newly without height"),
         )
         return [triangles, *faults]
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self, units: str = "mm") -> dict[str, Any]:
         """The `certificate` part of a report; what is known to the writer only is added there."""
         return {
             "passed": self.passed,
-            "sentence": self.sentence(),
+            "sentence": self.sentence(units),
             "watertight": self.is_watertight,
             "manifold": self.is_manifold,
             "orientable": self.topology.is_orientable,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..cautions import Caution
+from ..cautions import Caution, told_place
 from ..validation import Place
 
 NARROWER = 0.03
@@ -48,12 +48,12 @@ class MotionCheck:
         """No point moved farther than the method can move it."""
         return self.distance <= self.bound + ROUNDING
 
-    def fault(self) -> str:
-        """What is wrong and where, as a part of a sentence."""
+    def fault(self, units: str = "mm") -> str:
+        """What is wrong and where, as a part of a sentence; `units` of the file."""
         return (
             f"a point that moved {self.distance:.1f} mm, "
             f"{self.distance - self.bound:.3g} mm farther than the method moves it, "
-            f"from {_in_words(self.point)}"
+            f"from {told_place(self.point, units)}"
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -89,11 +89,11 @@ class WallCheck:
         """Not inside by more than `NARROWER`."""
         return self.depth <= NARROWER * self.prescribed
 
-    def fault(self) -> str:
-        """What is wrong and where, as a part of a sentence."""
+    def fault(self, units: str = "mm") -> str:
+        """What is wrong and where, as a part of a sentence; `units` of the file."""
         return (
             f"wall {self.depth:.2f} mm inside of the stent, whose radius is "
-            f"{self.prescribed:.2f} mm there, near {_in_words(self.at)}"
+            f"{self.prescribed:.2f} mm there, near {told_place(self.at, units)}"
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -151,7 +151,7 @@ class LumenCheck:
         widths = {"found_mm": found, "prescribed_mm": wanted, "percent": 100 * self.shortfall}
         return (Caution("narrower", widths, place),)
 
-    def in_words(self) -> str:
+    def in_words(self, units: str = "mm") -> str:
         """How much narrower than prescribed it is, as a part of a sentence."""
         if self.shortfall <= NOTICEABLY_NARROWER:
             most = f"{100 * NOTICEABLY_NARROWER:g} %"
@@ -159,7 +159,7 @@ class LumenCheck:
         found, wanted, place = self._narrowest_place()
         return (
             f"its lumen is up to {100 * self.shortfall:.1f} % narrower than prescribed, "
-            f"{found:.2f} instead of {wanted:.2f} mm near {_in_words(place)}"
+            f"{found:.2f} instead of {wanted:.2f} mm near {told_place(place, units)}"
         )
 
     def _narrowest_place(self) -> tuple[float, float, Place]:
@@ -179,17 +179,19 @@ class LumenCheck:
         """The prescribed lumen, wider only where it was."""
         return not (self.is_narrow or self.is_wide) and self.wall.passed
 
-    def fault(self) -> str:
-        """What is wrong and where, as a part of a sentence."""
+    def fault(self, units: str = "mm") -> str:
+        """What is wrong and where, as a part of a sentence; `units` of the file."""
         if not self.narrowest:
-            return f"a stent outside of the lumen near {_in_words(self.narrowest_at)}"
+            return f"a stent outside of the lumen near {told_place(self.narrowest_at, units)}"
         if self.is_narrow:
             found, wanted, place = self.narrowest, self.prescribed, self.narrowest_at
         elif self.is_wide:
             found, wanted, place = self.widest, self.native, self.widest_at
         else:
-            return self.wall.fault()
-        return f"a lumen of {found:.2f} mm instead of {wanted:.2f} mm near {_in_words(place)}"
+            return self.wall.fault(units)
+        return (
+            f"a lumen of {found:.2f} mm instead of {wanted:.2f} mm near {told_place(place, units)}"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """As it stands in a report."""
@@ -206,12 +208,7 @@ class LumenCheck:
         }
 
 
-def lumen_in_words(checks: Sequence[LumenCheck]) -> str:
+def lumen_in_words(checks: Sequence[LumenCheck], units: str) -> str:
     """How wide the lumen of all stents that passed is, as a part of a sentence."""
     worst = max(checks, key=lambda check: check.shortfall)
-    return f"{worst.in_words()}, and wider only where it was"
-
-
-def _in_words(place: Place) -> str:
-    x, y, z = place
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
+    return f"{worst.in_words(units)}, and wider only where it was"

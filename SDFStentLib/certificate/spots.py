@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..cautions import told_place
 from ..geometry import component_labels
 from ..validation import Indices, Place, Points, Triangles, as_place
 
@@ -26,8 +27,7 @@ class Spot(NamedTuple):
     triangles: tuple[int, ...]
 
     def __str__(self) -> str:
-        x, y, z = self.center
-        return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
+        return told_place(self.center, "mm")
 
 
 def spots_of(points: Points, triangles: Triangles, faces: Indices, pairs: Indices) -> list[Spot]:
@@ -61,12 +61,13 @@ def spots_of(points: Points, triangles: Triangles, faces: Indices, pairs: Indice
     return sorted(found, key=lambda spot: (-len(spot.triangles), spot.triangles))
 
 
-def faults_in_words(spots: Sequence[Spot], *counted: tuple[int, str]) -> str:
+def faults_in_words(spots: Sequence[Spot], units: str, *counted: tuple[int, str]) -> str:
     """Counts of triangles, each with what is wrong, and where; `spots` are those of `spots_of`."""
     faults = ", ".join(f"{count_in_words(count)} {words}" for count, words in counted if count)
+    place = told_place(spots[0].center, units)
     if len(spots) == 1:
-        return f"{faults} near {spots[0]}"
-    return f"{faults} at {len(spots)} places, most of them near {spots[0]}"
+        return f"{faults} near {place}"
+    return f"{faults} at {len(spots)} places, most of them near {place}"
 
 
 def winding_in_words(flipped: int, is_inside_out: bool) -> str:

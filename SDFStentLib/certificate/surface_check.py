@@ -66,12 +66,13 @@ class SurfaceCheck:
         """Closed and consistently wound, with its faces to the inside."""
         return self.topology.is_oriented and not self.is_outward
 
-    def sentence(self) -> str:
-        """The finding in one sentence."""
+    def sentence(self, units: str = "mm") -> str:
+        """The finding in one sentence; places are told in the unit of the file, too."""
         faults = "no self-intersection"
         if self.places:
             faults = faults_in_words(
                 self.places,
+                units,
                 (len(self.self_intersecting_triangles), "intersecting"),
                 (len(self.inverted_triangles), "turned over"),
                 (len(self.degenerate_triangles), "without height"),

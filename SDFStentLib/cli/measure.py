@@ -103,7 +103,7 @@ def check_command(options: argparse.Namespace, _console: Console) -> int:
     document = {
         **_surface_document(surface),
         "passed": check.passed,
-        "sentence": check.sentence(),
+        "sentence": check.sentence(surface.units),
         **check.as_dict(),
         "warnings": [
             caution.sentence(units=surface.units)

@@ -86,7 +86,7 @@ def run_case(task: Task) -> Outcome:
         report = _report(result, task.plan)
         certificate = result.treatment.certificate
         if certificate is not None and not certificate.passed:
-            reason = certificate.sentence()
+            reason = certificate.sentence(inputs.surface.units)
     except Excluded as error:
         status, reason = "excluded", str(error)
     except (InputError, DeploymentError) as error:

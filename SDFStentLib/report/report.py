@@ -159,7 +159,7 @@ def plan_report(
     treatment, units = result.treatment, result.inputs.surface.units
     judged = None
     if treatment.certificate is not None:
-        judged = {**treatment.certificate.as_dict(), "arrays_kept": not lost}
+        judged = {**treatment.certificate.as_dict(units), "arrays_kept": not lost}
     stents = [_stent_section(stent, result.lesions, units) for stent in treatment.stents]
     seconds = {"read": result.inputs.seconds, **treatment.timings, **(timings or {})}
     sections = {

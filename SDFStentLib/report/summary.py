@@ -53,7 +53,7 @@ def deployment_summary(result: PlanResult) -> Summary:
     ]
     certificate = result.treatment.certificate
     if certificate is not None:
-        lines.append(certificate.sentence())
+        lines.append(certificate.sentence(result.inputs.surface.units))
     return Summary(f"Deployed: {_of_each(stents, _deployed)}.", lines)
 
 
@@ -74,7 +74,7 @@ def deployment_sentences(result: PlanResult) -> Iterator[str]:
     if result.flow is not None:
         yield from flow_sentences(flow_section(result.flow))
     if result.treatment.certificate is not None:
-        yield result.treatment.certificate.sentence()
+        yield result.treatment.certificate.sentence(result.inputs.surface.units)
 
 
 def _told(stents: Sequence[TreatedStent], result: PlanResult) -> list[str]:
