@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from .units import MILLIMETERS
-from .validation import Place
+from .validation import InputError, Place
 
 _BESIDE = (
     "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
@@ -299,6 +299,13 @@ def told_place(place: Place, units: str) -> str:
     """A place to a tenth of a millimeter, and in the unit of the file where that is another."""
     x, y, z = place
     return f"({x:.1f}, {y:.1f}, {z:.1f}) mm{in_file(place, units)}"
+
+
+def reason_of(error: Exception, units: str) -> str:
+    """The sentence of a refusal, its place also in the unit of the file."""
+    if isinstance(error, InputError):
+        return error.sentence({}, in_file(error.place, units))
+    return str(error)
 
 
 def in_file(place: Place | None, units: str) -> str:

@@ -18,6 +18,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from ..cautions import reason_of
 from ..flow import FlowAnswer
 from ..plan import InputFiles, Plan, PlanResult, plan_text, read_plan_inputs, treatment_of
 from ..report import plan_report
@@ -91,7 +92,7 @@ def run_case(task: Task) -> Outcome:
         status, reason = "excluded", str(error)
     except (InputError, DeploymentError) as error:
         result = None
-        status, reason = "failed", str(error)
+        status, reason = "failed", reason_of(error, task.plan.units)
     except Exception as error:  # of whatever kind, the other cases go on
         result = None
         status, reason = "failed", f"unexpected error ({type(error).__name__}: {error})"

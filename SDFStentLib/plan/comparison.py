@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..cautions import reason_of
 from ..validation import DeploymentError, InputError, check_is_a, in_short
 from .inputs import InputFiles, as_planned, plan_files
 from .plan import Plan
@@ -124,7 +125,7 @@ def _carried_out(
             show(state.fraction)
         result = PlanResult(plan, inputs, treatment.result)
     except (InputError, DeploymentError) as error:
-        return Alternative(name, plan, failure=str(error))
+        return Alternative(name, plan, failure=reason_of(error, plan.units))
     return Alternative(name, plan, result)
 
 
