@@ -101,11 +101,11 @@ class LocalSurface:
         """A part of the triangles that have been asked for, about one of so many.
 
         By where they are alone: a triangle is chosen or not whatever else has been asked for, in
-        whatever order a file has them, and turned from LPS to RAS. Else as if at random: a regular
-        choice could leave out whole sides of a regular mesh.
+        whatever order a file has them, in single precision, and turned from LPS to RAS. Else as if
+        at random: a regular choice could leave out whole sides of a regular mesh.
         """
-        places = np.ascontiguousarray(np.abs(self._points)).view(np.uint64)
-        scattered = _scattered(places @ _ODD)
+        places = np.abs(self._points).astype(np.float32, order="C").view(np.uint32)
+        scattered = _scattered(places.astype(np.uint64) @ _ODD)
         corners = [scattered.take(column) for column in self._triangles[self._kept].T]
         return _scattered(np.add.reduce(corners)) * (stride / 2.0**64) < 1
 
