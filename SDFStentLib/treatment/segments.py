@@ -88,13 +88,17 @@ def extract_segment(
     parts = vessel_parts(
         vessel.surface, vessel.centerline, vessel.faces, wishes.units, vessel.given_names
     )
-    ends = segment_ends(parts, start, end, nearest=wishes.nearest)
-    states: tuple[OpenSegment, ...] = (ends.opened,)
-    if after is not None:
-        state = _state_of(parts, vessel, after)
-        _treated(ends.opened, state)  # another vessel fails here
+    state = None if after is None else _state_of(parts, vessel, after)
+    try:
         ends = segment_ends(parts, start, end, nearest=wishes.nearest, treated=state)
-        states = (ends.opened, _treated(ends.opened, state))
+    except InputError:
+        if state is not None:
+            native = segment_ends(parts, start, end, nearest=wishes.nearest)
+            _treated(native.opened, state)  # another vessel is told as that
+        raise
+    states: tuple[OpenSegment, ...] = (ends.opened,)
+    if state is not None:
+        states = (*states, _treated(ends.opened, state))
     left: tuple[OpenBranch, ...] = ()
     if wishes.close_branches or wishes.cut_branches:
         outlets = not wishes.close_branches
