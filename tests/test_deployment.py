@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from deployment_cases import phantom_case
+from deployment_cases import anatomy_case, phantom_case
 
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 
@@ -38,6 +38,15 @@ def test_cancelling_is_to_stop_iterating(case, settings):
     # Nothing is left over: the result is that of a deployment that was never stopped.
     np.testing.assert_array_equal(
         deployment.result.points, deployment_of(case, settings).result.points
+    )
+
+
+@pytest.mark.parametrize("name", ["pulmonary", "vmtk_aorta"])
+def test_companions_do_not_change_what_the_wall_does_in_an_anatomy(data_dir, name):
+    case = anatomy_case(data_dir, name, 20.0, 25.0)
+    np.testing.assert_array_equal(
+        deployment_of(case, companions=case.points + 0.3).result.points,
+        deployment_of(case).result.points,
     )
 
 

@@ -247,7 +247,7 @@ def test_a_stent_that_begins_in_the_funnel_of_its_vessel_covers_nothing_of_that_
     assert PARENT not in [ostium.name for ostium in found]
 
 
-@pytest.mark.parametrize("half", [7.0])
+@pytest.mark.parametrize("half", [6.5])
 def test_rays_that_look_down_into_a_branch_from_a_funnel_above_make_its_ostium_no_larger(
     data_dir, half
 ):
