@@ -63,7 +63,7 @@ def with_passing(
 def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floats) -> Floats:
     """Center and radius (4,) of the widest sphere that passes between two places of a lumen, mm.
 
-    NaN where the grid has no way between them, or none that is narrower than both.
+    That of the narrower place where the way between is wider; NaN where the grid has no way.
 
     Parameters
     ----------
@@ -89,6 +89,9 @@ def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floa
         middle = (first + last) // 2
         parts = _connected(room >= levels[middle])
         first, last = (middle, last) if parts[begin] == parts[end] else (first, middle)
+    if first and first == len(levels) - 1:
+        narrower = min(begin, end, key=room.__getitem__)
+        return np.r_[grid[narrower], room[narrower]]
     narrowest = grid[room == levels[first]][0]
     parts = _connected(room > levels[first])
     is_near = np.linalg.norm(grid - narrowest, axis=-1) < _NEAR * step
