@@ -9,7 +9,7 @@ from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.stent import AtCenter, Stent
-from SDFStentLib.treatment import Treatment, residual_of, treated_lesions
+from SDFStentLib.treatment import Residual, Treatment, residual_of, treated_lesions
 from SDFStentLib.vessel import find_lesions
 
 
@@ -61,3 +61,18 @@ def test_what_is_left_is_the_narrowest_place_of_the_vessel_wherever_it_lies(shif
     axis = result.stents[0].axis.points[:, 2]
     away = max(left.point[2] - axis.max(), axis.min() - left.point[2], 0)
     assert left.distance == pytest.approx(away, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("side", "distance", "said"),
+    [
+        ("proximal", 0.03, "just before stent 1"),
+        ("distal", 1.2, "1 mm beyond stent 1"),
+        ("between", 0.4, "between stents, just beyond stent 1"),
+        ("within", 0.0, "within stent 1"),
+    ],
+)
+def test_where_the_narrowest_place_left_lies_is_told_without_a_distance_of_nothing(
+    side, distance, said
+):
+    assert Residual(20.0, 4.0, 5.0, (0, 0, 0), 1, side, 1, distance).place() == said

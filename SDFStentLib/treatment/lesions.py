@@ -112,10 +112,11 @@ class Residual:
         """Where it lies, to follow a comma."""
         if self.side == "within":
             return f"within stent {self.stent}"
+        away = f"{self.distance:.0f} mm" if round(self.distance) else "just"
         if self.side == "between":
-            return f"between stents, {self.distance:.0f} mm beyond stent {self.stent}"
+            return f"between stents, {away} beyond stent {self.stent}"
         way = "before" if self.side == "proximal" else "beyond"
-        return f"{self.distance:.0f} mm {way} stent {self.stent}"
+        return f"{away} {way} stent {self.stent}"
 
 
 def residual_of(lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent]) -> Residual | None:
