@@ -9,8 +9,6 @@ from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
 from benchmarks.judges import wall_distances
-from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import LocalSurface, widest_passing
 from SDFStentLib.phantoms import (
     TrueVessel,
@@ -93,15 +91,6 @@ def test_where_the_way_is_wider_than_its_ends_the_narrower_one_passes():
     narrower = wall_distances(tube.points, tube.triangles, ends[:1])[0]
     assert narrower <= passes < 1.5 * narrower
     assert passes == pytest.approx(held)
-
-
-def test_a_line_in_the_mouth_of_its_branch_makes_no_lesion(data_dir):
-    """23 % were told: where nothing narrower lies between, no passing sphere was known."""
-    surface = read_surface(data_dir / "tree_narrowed_surface_mm.vtp").surface
-    line = read_centerline(data_dir / "tree_narrowed_centerline_mm.vtp")
-    enlarged = Surface(3 * surface.points, surface.triangles)
-    found = find_lesions(enlarged, line.with_points(3 * line.points))
-    assert [round(one.percent_diameter) for one in found] == [49, 64, 61, 37]
 
 
 def test_a_dip_of_a_long_throat_between_its_stations_is_its_minimum():

@@ -51,7 +51,10 @@ def with_passing(
     narrowest = int(np.nanargmin(radii))
     throat, radius = centers[narrowest], float(radii[narrowest])
     about = np.flatnonzero((np.abs(along - along[narrowest]) <= 2 * radius) & np.isfinite(radii))
-    if not (norm(centers[about] - stations[about]) > CENTERED * radii[about]).any():
+    # Of a throat at an end nothing tells how wide the way to it is.
+    is_between = about[0] < narrowest < about[-1]
+    is_aside = norm(centers[about] - stations[about]) > CENTERED * radii[about]
+    if not is_between or not is_aside.any():
         return found
     *center, passes = widest_passing(wall, throat, radius, centers[about[[0, -1]]])
     smaller = about[radii[about] < passes]
