@@ -153,7 +153,7 @@ class FlowModel:
         self._stream = Stream(PER_ML * known.mean * shares, turns_of(channels, self._widths))
         self._blocks: dict[float, tuple[Block, ...]] = {}
         self._usual = self._case(USUAL)
-        self._wave_before: list[State] = []
+        self._wave_before: _Seen | None = None
 
     @cached_property
     def _others(self) -> list[tuple[_Case, _Case]]:
@@ -230,7 +230,7 @@ class FlowModel:
         low, high = _reach(told)
         networks = tuple(cases[0].network for cases in seen)
         if solve is not None:
-            solved = [_Seen(usual, one, self._solved(solve, one)) for one in networks]
+            solved = [self._solved(solve, one) for one in networks]
             value = np.array([one.moments(known, ways, is_even=True) for one in solved])
         spread = np.stack([value, value - low, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
@@ -247,16 +247,17 @@ class FlowModel:
             known.wave is not None and solve is None,
         )
 
-    def _solved(self, solve: Solve, network: Network) -> list[State]:
+    def _solved(self, solve: Solve, network: Network) -> _Seen:
         """Over the wave; that before treatment is the same for every stent that is tried."""
         is_before = network is self._usual.network
-        if is_before and self._wave_before:
+        if is_before and self._wave_before is not None:
             return self._wave_before
         inlets, through = solve(network, self._usual.outlets, self.known)
         states = [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
+        solved = _Seen(self._usual, network, states)
         if is_before:
-            self._wave_before = states
-        return states
+            self._wave_before = solved
+        return solved
 
     def _moment(self, row: Floats) -> Moment:
         """From the values of one moment with their bands (q, 3)."""

@@ -24,6 +24,7 @@ from .line import Line as Line
 from .line import as_line as as_line
 from .line import closest_on_segments as closest_on_segments
 from .line import distances_to_segments as distances_to_segments
+from .line import places_in_plane as places_in_plane
 from .line import segment_count as segment_count
 from .near_balls import Balls as Balls
 from .near_balls import nearest_distances as nearest_distances

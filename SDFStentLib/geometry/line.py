@@ -31,6 +31,14 @@ class SegmentLocations(NamedTuple):
     distances: Floats
 
 
+def places_in_plane(starts: Points, ends: Points, origin: Floats, normal: Floats) -> Points:
+    """Where pieces (k, 3) of lines go through a plane with a normal (3,) of any length."""
+    first, last = (starts - origin) @ normal, (ends - origin) @ normal
+    through = np.flatnonzero((first < 0) != (last < 0))
+    share = first[through] / (first[through] - last[through])
+    return np.asarray(starts[through] + share[:, None] * (ends - starts)[through])
+
+
 def closest_on_segments(starts: Floats, ends: Floats, queries: Floats) -> SegmentLocations:
     """The nearest of m segments for each of k queries.
 

@@ -115,8 +115,7 @@ def _left(
 def _branches(treated: TreatedStent) -> str:
     """How many branches it changes."""
     covered = sum(not branch.is_free for branch in treated.branches)
-    names = {branch.name for branch in treated.branches}
-    narrowed = sum(one.is_narrowed for one in treated.neighbors if one.name in names)
+    narrowed = sum(one.is_narrowed for one in treated.neighbors if one.is_branch)
     said = [f"{covered} covered" if covered else "", f"{narrowed} narrowed" if narrowed else ""]
     words = ", ".join(filter(None, said))
     return words and f"branches: {words}"

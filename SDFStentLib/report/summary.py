@@ -131,12 +131,7 @@ def _branches(stents: Sequence[TreatedStent]) -> str:
     every = branches_beside(stents)
     several = len(stents) > 1
     lumens = [(_called(one, several), one.lumen) for one in every if one.lumen is not None]
-    lumens += [
-        (near.name, near)
-        for one in stents
-        for near in one.neighbors
-        if near.name not in {branch.name for branch in one.branches}
-    ]
+    lumens += [(near.name, near) for one in stents for near in one.neighbors if not near.is_branch]
     covered = [
         _called(one, several, one.ostium.coverage.removesuffix(" covered"))
         for one in every

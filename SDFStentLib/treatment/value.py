@@ -115,7 +115,7 @@ class TreatedStent(PlacedStent):
         """
         stent, axis, touching = self.stent, self.axis, self.apposition
         names = [branch.name for branch in self.branches]
-        losses = [100 * one.loss for one in self.neighbors if one.name in names]
+        losses = [100 * one.loss for one in self.neighbors if one.is_branch]
         return {
             "stent": self.number,
             "name": stent.name,

@@ -169,9 +169,8 @@ def narrowed_neighbors(
     ]
     ends: dict[tuple[int, str], list[tuple[int, NeighborLumen]]] = {}
     for done in treated:
-        names = {branch.name for branch in done.branches}
         for lumen in done.neighbors:
-            if lumen.is_narrowed and lumen.name not in names:
+            if lumen.is_narrowed and not lumen.is_branch:
                 both = done.again or done.number, lumen.name
                 ends.setdefault(both, []).append((done.number, lumen))
     for group in ends.values():

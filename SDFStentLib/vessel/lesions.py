@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
-from ..geometry import Line, NamedFaces, Surface, as_line, as_surface, checked_faces
+from ..geometry import (
+    Line,
+    NamedFaces,
+    Surface,
+    as_line,
+    as_surface,
+    checked_faces,
+    places_in_plane,
+)
 from ..validation import Floats, Place, as_place
 from .branch_lumen import tree_lumen
 from .branch_names import named_branches, size_words
@@ -177,10 +185,7 @@ def _passes(axis: Line, lesion: Lesion, beyond: float) -> bool:
     before, after = lesion.line.at([at - radius, at + radius])
     first, last = beyond * radius * axis.directions[[0, -1]]
     line = np.vstack([axis.points[0] - first, axis.points, axis.points[-1] + last])
-    heights = (line - lesion.point) @ (after - before)
-    crossed = np.flatnonzero((heights[1:] < 0) != (heights[:-1] < 0))
-    share = heights[crossed] / (heights[crossed] - heights[crossed + 1])
-    places = line[crossed] + share[:, None] * (line[crossed + 1] - line[crossed])
+    places = places_in_plane(line[:-1], line[1:], np.array(lesion.point), after - before)
     offsets = np.linalg.norm(places - lesion.point, axis=1)
     nearest = axis.nearest(np.array([lesion.point])).distances[0]
     return bool(nearest <= radius and (offsets <= _ASLANT * radius).any())

@@ -65,9 +65,13 @@ class NeighborLumen:
         """Whether it lost more than can be passed over."""
         return self.loss > NOTICEABLE
 
+    @property
+    def is_branch(self) -> bool:
+        """Whether it is no vessel beyond an end of the stent."""
+        return self.name not in (PROXIMAL, DISTAL)
+
     def caution(self) -> Caution:
         """What to know of a lumen that is narrowed."""
-        is_end = self.name in (PROXIMAL, DISTAL)
         return Caution(
             "neighbor-narrowed",
             {
@@ -77,7 +81,7 @@ class NeighborLumen:
                 "diameter": "equivalent" if self.by_area else "inscribed",
                 "percent": 100 * self.loss,
                 "distance_mm": self.distance,
-                "start": "the end of the stent" if is_end else "its origin",
+                "start": "its origin" if self.is_branch else "the end of the stent",
             },
         )
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import Surface, boundary_edges, compacted, component_labels, norm
+from ..geometry import Surface, boundary_edges, compacted, component_labels, norm, places_in_plane
 from ..lumen import flat_caps
 from ..validation import Indices, InputError, Points, as_points
 
@@ -88,10 +88,7 @@ def ends_without_line(ends: Sequence[VesselEnd], tree: Centerline) -> int:
 
 def _is_crossed(end: VesselEnd, starts: Points, stops: Points) -> bool:
     """Whether one of these pieces (k, 3) of lines goes through an end."""
-    first, last = ((points - end.center) @ end.across for points in (starts, stops))
-    crossing = np.flatnonzero((first < 0) != (last < 0))
-    share = (first[crossing] / (first[crossing] - last[crossing]))[:, None]
-    places = starts[crossing] + share * (stops[crossing] - starts[crossing])
+    places = places_in_plane(starts, stops, end.center, end.across)
     return bool((norm(places - end.center) < end.radius).any())
 
 

@@ -40,6 +40,7 @@ class LocalSurface:
         self.highest: Floats
         self.lowest, self.highest = _extent(points)
         self._index: SurfaceIndex | None = None
+        self._numbers: NDArray[np.uint64] | None = None
         self.growths = 0
 
     @property
@@ -104,10 +105,12 @@ class LocalSurface:
         whatever order a file has them, in single precision, and turned from LPS to RAS. Else as if
         at random: a regular choice could leave out whole sides of a regular mesh.
         """
-        places = np.abs(self._points).astype(np.float32, order="C").view(np.uint32)
-        scattered = _scattered(places.astype(np.uint64) @ _ODD)
-        corners = [scattered.take(column) for column in self._triangles[self._kept].T]
-        return _scattered(np.add.reduce(corners)) * (stride / 2.0**64) < 1
+        if self._numbers is None:
+            places = np.abs(self._points).astype(np.float32, order="C").view(np.uint32)
+            scattered = _scattered(places.astype(np.uint64) @ _ODD)
+            corners = [scattered.take(column) for column in self._triangles[self._kept].T]
+            self._numbers = _scattered(np.add.reduce(corners))
+        return self._numbers * (stride / 2.0**64) < 1
 
     def _vertex_distances(self, centers: Points) -> Floats:
         """Distance (n,) to the nearest of some thousand vertices, which bounds that to the wall."""
@@ -117,6 +120,7 @@ class LocalSurface:
     def _grow(self, margin: float) -> None:
         """Take the triangles in the box round the centres, if there are any."""
         self.growths += 1
+        self._numbers = None
         self._margin = margin
         self._low = self._centers.min(axis=0) - margin
         self._high = self._centers.max(axis=0) + margin
