@@ -28,6 +28,7 @@ from SDFStentLib.vessel import (
     NeighborLumen,
     NeighborStations,
     NeighborWay,
+    Ostium,
     VesselStates,
     find_lesions,
     lesions_after,
@@ -123,5 +124,13 @@ def test_a_neighbor_whose_way_is_outside_of_the_lumen_has_no_diameter(tube):
 def test_the_summary_names_a_branch_whose_lumen_is_not_known():
     way = np.array([[0.0, 0, 0], [0, 0, 5]])
     lost = NeighborLumen("branch 2", Line(way), 1.0, 4.1, math.nan, by_area=False)
-    told = summary._branches([SimpleNamespace(branches=(), neighbors=(lost,))])
+    opening = Ostium(lost.name, way[0], 2.0, 6.0, 12.0, 0.0)
+    beside = SimpleNamespace(
+        number=1,
+        branches=(opening,),
+        neighbors=(lost,),
+        axis=SimpleNamespace(deployed_length=10.0),
+        again=None,
+    )
+    told = summary._branches([beside])
     assert told == "Branches: 1 with a lumen that is not known: branch 2."
