@@ -110,6 +110,17 @@ def test_healthy_vessel_parts_two_narrowings_and_nothing_less():
         truths(*seeded(constant(1.7), "tandem apart", near, (20.0, 37.0)))
 
 
+def test_a_vessel_that_ends_is_not_narrowed_there():
+    """A cap was the deepest of a narrowing that was too shallow to be told: 96 %."""
+    before = line_tree(constant(2.0), length=30.0)
+    factor = cosine(0.1, 14.0, 25.0)(before.arc_length)
+    one = Narrowing("focal", np.arange(len(before.points)), (14.0, 25.0), (), factor)
+    after = narrowed(before, [one])
+    walls = [wall_of(tree, 0.4, "capped") for tree in (before, after)]
+    with pytest.raises(ValueError, match="0 parts"):
+        truths((before, walls[0]), (after, walls[1]), one)
+
+
 def test_the_sphere_search_agrees_with_a_search_for_the_widest_way_through():
     """Through the voxels of a grid: the widest sphere that gets from one end to the other."""
     from scipy.ndimage import label

@@ -174,8 +174,11 @@ def truths(
     """
     begin, end = narrowing.healthy
     is_ostial = narrowing.shape == "ostial"
-    along = np.arange(max(begin - 2 * _PLATEAU, 0.0), end + 2 * _PLATEAU, _STEP)
-    healthy = _measured(*before, narrowing.vessel, along[::2])
+    tree, vessel = before[0], narrowing.vessel
+    # Within a radius of its end no sphere is as wide as the vessel: that is no narrowing.
+    last = float(tree.arc_length[vessel[-1]] - tree.arc_length[vessel[0]] - tree.radius[vessel[-1]])
+    along = np.arange(max(begin - 2 * _PLATEAU, 0.0), min(end + 2 * _PLATEAU, last), _STEP)
+    healthy = _measured(*before, vessel, along[::2])
     distal = _plateau(healthy, end, end + _PLATEAU)
     proximal = None if is_ostial else _plateau(healthy, begin - _PLATEAU, begin)
     if min(distal, proximal or distal) < LEAST_CALIBER:
@@ -185,7 +188,7 @@ def truths(
     def reference(at: np.ndarray) -> np.ndarray:
         return np.interp(at, ends, [distal if proximal is None else proximal, distal])
 
-    course_, centers, wide = _measured(*after, narrowing.vessel, along)
+    course_, centers, wide = _measured(*after, vessel, along)
     along = course_.along
     parts = _parts(along, wide / reference(along))
     if len(parts) != (2 if narrowing.shape == "tandem apart" else 1):
@@ -199,7 +202,7 @@ def truths(
     ]
     steps = _STEP * np.array([-0.8, -0.6, -0.4, -0.2, 0.2, 0.4, 0.6, 0.8])
     fine = np.unique((along[np.concatenate(narrow), None] + steps).round(6))
-    more, more_centers, more_wide = _measured(*after, narrowing.vessel, fine)
+    more, more_centers, more_wide = _measured(*after, vessel, fine)
     order = np.argsort(np.r_[along, more.along], kind="stable")
     along = np.r_[along, more.along][order]
     centers = np.vstack([centers, more_centers])[order]
