@@ -7,12 +7,12 @@ import pytest
 from deployment_cases import phantom
 from lesion_cases import SPACING, vessel_along
 
-from SDFStentLib.centerline import Stretch
+from SDFStentLib.centerline import Centerline, Stretch
 from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.plateaus import Plateau, Reference
-from SDFStentLib.vessel.runs import SideBranch, _ostium
+from SDFStentLib.vessel.runs import SideBranch, _ostium, vessel_runs
 
 
 def through(*places):
@@ -219,3 +219,20 @@ def test_a_vessel_that_a_branch_leaves_narrower_is_no_aneurysm_before():
     assert narrowings(run) == []
     (one,) = narrowings(run._replace(side_branches=(SideBranch(13.0, 3.0, 1),)))
     assert one.reference.at(np.array([2.0]))[0] == pytest.approx(3.7, abs=0.1)
+
+
+def test_a_vessel_goes_on_beyond_a_twig_though_it_tapers_there():
+    """It ended within its narrowing, which had no healthy vessel before it: not told."""
+    z = np.arange(0, 80.1, 0.5)
+    trunk = np.column_stack([0 * z, 0 * z, z])
+    beside = np.arange(0.5, 20.1, 0.5)
+    twig = np.column_stack([0 * beside, beside, 40 + beside / 4])
+    parent = np.r_[-1, np.arange(len(z) - 1), 80, len(z) + np.arange(len(beside) - 1)]
+    radius = np.r_[np.interp(z, [38, 44, 50], [2.3, 1.2, 1.65]), np.full(len(beside), 0.75)]
+    tree = Centerline(np.vstack([trunk, twig]), radius, parent)
+    whole, side = vessel_runs(tree.lumens)
+    assert (whole.outlets, side.outlets) == (2, 1)
+    assert whole.along[-1] == pytest.approx(80.0)
+    (found,) = narrowings(whole)
+    assert found.reference.proximal.diameter == pytest.approx(4.6, rel=0.02)
+    assert found.reference.distal.diameter == pytest.approx(3.3, rel=0.02)

@@ -27,8 +27,9 @@ MAIN = 0.1
 from it is a main one. The narrowest left pulmonary arteries of the anatomies have 0.19, however
 wide the trunk is; one of 18 segments has 0.06."""
 
-CONTINUES = 0.75
-"""Share of what the rule above expects of a vessel beyond a side branch that it has at least."""
+CONTINUES = 0.7
+"""Share of what the rule above expects of a vessel beyond a side branch that it has at least: it
+may taper over a narrowing. Half of the area."""
 
 LOCAL = 4.0
 """Diameters from a junction over which the caliber of the vessel that comes is looked for."""
@@ -127,8 +128,9 @@ def _continuation(tree: LumenTree, chain: Sequence[int]) -> int | None:
     here = max(_local_caliber(tree, chain), first)
     left = here**MURRAY_EXPONENT - sum(other**MURRAY_EXPONENT for other in others)
     expected = max(left, 0.0) ** (1 / MURRAY_EXPONENT)
-    are_alike = bool(others) and others[0] >= SAME_CALIBER * first
-    ends = first < (SAME_CALIBER * here if are_alike else CONTINUES * expected)
+    # A branch of which nothing is known may be as wide.
+    is_twig = not others or 0 < others[0] < SAME_CALIBER * first
+    ends = first < (CONTINUES * expected if is_twig else SAME_CALIBER * here)
     return None if ends else tree.straightest(chain[-1], tree.alike(chain[-1]))
 
 
