@@ -142,6 +142,7 @@ def test_the_manifest_has_a_row_per_case_with_what_came_of_it(folder, whole):
             if prescribed is not None
         ]
         assert float(row["lumen_after_mm"]) == min(stented)
+        assert int(row["warnings"]) == len(report["warnings"])
         assert row["surface_sha256"] == report["inputs"][0]["sha256"]
         assert row["centerline_sha256"] == report["inputs"][1]["sha256"]
 
