@@ -1,4 +1,4 @@
-"""Parts of the panel that know nothing of stents: widgets bound to parameters, columns, folders, its height."""
+"""Parts of the panel that know nothing of stents: widgets bound to parameters, columns, folders, its size."""
 
 import qt
 import slicer
@@ -103,8 +103,10 @@ class FolderButton:
         self._onDone(self._path)
 
 
-class PanelHeight:
-    """Gives the panel the height that it needs, as its least one.
+class PanelSize:
+    """Gives the panel the height that it needs, as its least one, and never less width than it has needed.
+
+    A folded section needs little width: without this one the views beside the panel would move when the widest section is folded.
 
     From the second visit of a module on, Slicer's module panel keeps the height that it was told first, and squeezes what does not fit
     (`qSlicerModulePanel::removeModule` leaves an item of the layout behind, which alone hears that sizes change). Least sizes it asks for anew.
@@ -125,3 +127,5 @@ class PanelHeight:
         qt.QCoreApplication.sendPostedEvents(None, qt.QEvent.LayoutRequest)
         needed = self._panel.layout().heightForWidth(self._panel.width)
         self._panel.minimumHeight = max(0, needed)  # -1 where no text is shown
+        width = self._panel.layout().minimumSize().width()
+        self._panel.minimumWidth = max(self._panel.minimumWidth, width)

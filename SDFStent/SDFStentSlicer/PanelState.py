@@ -135,9 +135,9 @@ METHOD_SLIDERS = {
 class PanelState:
     """Brings the widgets into line with the parameters, the logic and the session."""
 
-    def __init__(self, ui, logic, session, height):
+    def __init__(self, ui, logic, session, size):
         self.ui = ui
-        self._logic, self._session, self._height = logic, session, height
+        self._logic, self._session, self._size = logic, session, size
         self.atHand, self.steps, self._said = AtHand(), Steps(ui), ""
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
@@ -255,7 +255,7 @@ class PanelState:
         sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
-        self._height.fit()
+        self._size.fit()
 
 
 def _letReach(slider, usual, value):

@@ -14,7 +14,7 @@ from .ExportSection import ExportSection, SegmentSection
 from .History import HistoryButtons
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
-from .PanelParts import GuiBinding, PanelHeight
+from .PanelParts import GuiBinding, PanelSize
 from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
 from .PlanTable import PlanTable
@@ -55,7 +55,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
-        self._state = PanelState(self.ui, self.logic, self.session, PanelHeight(uiWidget))
+        self._state = PanelState(self.ui, self.logic, self.session, PanelSize(uiWidget))
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(
             self.ui, self.logic.lesionSearch, self._onSelectLesion, self._prepare

@@ -188,6 +188,16 @@ def test_nothing_that_happens_changes_the_width_of_the_panel(host, aStent, tmp_p
     assert len(host.widths(aStent)) == 1
 
 
+def test_folding_a_section_keeps_the_width_of_the_panel(host, aStent):
+    host.widths(aStent).clear()
+    for name, widget in vars(aStent.ui).items():
+        if name.endswith("CollapsibleButton"):
+            for isCollapsed in (not widget.collapsed, widget.collapsed):
+                widget.collapsed = isCollapsed
+                host.process()
+    assert len(host.widths(aStent)) == 1
+
+
 def test_no_color_is_set_by_hand_in_the_panel():
     from pathlib import Path
 
