@@ -93,7 +93,7 @@ def removeWhole(node):
     if node.IsA("vtkMRMLDisplayableNode"):
         helpers += [node.GetNthDisplayNode(n) for n in range(node.GetNumberOfDisplayNodes())]
     for one in (node, *helpers):
-        if one is not None:
+        if one is not None and one.GetScene() is scene:  # the module Data takes some with the node
             scene.RemoveNode(one)
 
 

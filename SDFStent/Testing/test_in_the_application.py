@@ -146,6 +146,14 @@ def test_the_3d_view_looks_at_sample_data_that_comes(host, aScene):
     assert np.all(focus <= bounds[:, 1])
 
 
+def test_what_goes_with_a_node_is_not_removed_once_more(host, aStent, aScene):
+    handle = aStent._parameterNode.stent.handle
+    display = handle.GetDisplayNode()
+    host.click(aStent.ui.removeStentButton)
+    assert handle.GetScene() is display.GetScene() is None
+    assert host.errors() == []
+
+
 def folderOf(node):
     hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(slicer.mrmlScene)
     parent = hierarchy.GetItemParent(hierarchy.GetItemByDataNode(node))

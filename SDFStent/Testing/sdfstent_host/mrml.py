@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import slicer
 import vtk
+from vtkmodules.util.misc import calldata_type
+from vtkmodules.util.vtkConstants import VTK_OBJECT
 
 from SDFStentApp import application
 
@@ -35,10 +37,20 @@ class Application(application.Application):
         self.layoutLogic = slicer.vtkMRMLLayoutLogic()  # makes the views of a layout
         self.layoutLogic.SetMRMLApplicationLogic(self.applicationLogic)
         self.layoutLogic.SetMRMLScene(self.scene)
+        # Takes the nodes that show and store a node out of the scene with it.
+        self.dataLogic = slicer.vtkSlicerDataModuleLogic()
+        self.dataLogic.SetMRMLScene(self.scene)
+        self.scene.AddObserver(self.scene.NodeAboutToBeRemovedEvent, self._onRemoving)
         slicer.mrmlScene = self.scene
         self.view = View(
             self
         )  # before any content: the legend's manager draws only legends that it saw being added
+
+    @calldata_type(VTK_OBJECT)
+    def _onRemoving(self, scene, _event, node):
+        """As `qSlicerSubjectHierarchyPluginLogic` does, which complains of a node that is in no scene any more."""
+        if not scene.IsClosing():
+            slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(node.GetScene())
 
     def render(self, path, size=(900, 675), *, focus=None):
         """The 3D view drawn by the real displayable managers into a PNG file; `focus` is a box to look at."""
