@@ -24,12 +24,18 @@ def inOneColor(vessel, centerline):
             display.SetScalarVisibility(False)
         if node is vessel and isModel:
             display.SetColor(*VESSEL_COLOR)
-            display.SetOpacity(VESSEL_OPACITY)
+            seeThrough(display)
         elif node is vessel:
             display.SetOpacity3D(VESSEL_OPACITY)
         elif isModel:
             display.SetColor(*LINE_COLOR)
             display.SetLineWidth(LINE_WIDTH)
+
+
+def seeThrough(display):
+    """Show the wall of a vessel that lies before what is inside, and not the one behind that: it is clearer, and drawn faster."""
+    display.SetOpacity(VESSEL_OPACITY)
+    display.SetBackfaceCulling(True)
 
 
 def isShown(node, segmentID=""):

@@ -77,7 +77,7 @@ def outputSurface(parameterNode, vessel, former):
     shown, template = parameterNode.outputVessel, vessel.polyData
     node = Display.outputModel(parameterNode, "outputVessel", _("Stented vessel"), VESSEL_COLOR)
     if node is not shown:
-        node.GetDisplayNode().SetOpacity(Showing.VESSEL_OPACITY)
+        Showing.seeThrough(node.GetDisplayNode())
         node.GetDisplayNode().SetVisibility2D(True)
         Showing.setShown(parameterNode.vessel, False, Conversion.segmentOf(parameterNode))
     if former is not None:

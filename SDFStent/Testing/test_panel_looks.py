@@ -188,6 +188,14 @@ def test_nothing_that_happens_changes_the_width_of_the_panel(host, aStent, tmp_p
     assert len(host.widths(aStent)) == 1
 
 
+def test_only_the_wall_before_a_stent_hides_it_and_half_so(host, aStent):
+    deploy(host, aStent)
+    for node in (aStent._parameterNode.vessel, aStent._parameterNode.outputVessel):
+        display = node.GetDisplayNode()
+        assert display.GetOpacity() < 0.5
+        assert display.GetBackfaceCulling()
+
+
 def test_folding_a_section_keeps_the_width_of_the_panel(host, aStent):
     host.widths(aStent).clear()
     for name, widget in vars(aStent.ui).items():
