@@ -221,6 +221,8 @@ class Alternatives:
         _showVessel(parameterNode, any(other.outputVessel is not None for other in others))
         for other in others:
             Showing.followPlan(other, parameterNode)
+            if other.outputChart is not None:
+                Display.fadeChart(other.outputChart, True)
 
     def compare(self, parameterNode, folder):
         """Carry out all plans for the vessel and write them side by side into a new folder in `folder`.

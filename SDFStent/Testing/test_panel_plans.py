@@ -133,6 +133,17 @@ def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
         assert selection.GetActiveTableID() == plan.outputTable.GetID()
 
 
+def test_the_plot_of_a_plan_that_is_not_shown_is_weak(host, aPlan):
+    deploy(host, aPlan)
+    line = aPlan._parameterNode.outputChart.GetNthPlotSeriesNode(0)
+    assert line.GetOpacity() == 1.0
+    host.click(aPlan.ui.duplicatePlanButton)  # which has no plot of its own yet
+    assert line.GetOpacity() < 0.5
+    aPlan.ui.planTable.selectRow(0)
+    settle(host, aPlan)
+    assert line.GetOpacity() == 1.0
+
+
 def test_the_table_says_what_the_results_say(host, aPlan):
     """Against the library's result, counted here: the worst lesion left, branches covered, lumen, certificate."""
     deploy(host, aPlan)
