@@ -38,7 +38,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.logic = logic
         self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
         self._parameterNode = self._binding = self._lastSet = self._leavings = None
-        self._present = []
+        self._present, self._chosen = [], None
         self._inputs = InputWatch(self.onInputModified, self.onHandleReleased, self.onHandleMoved)
 
     # Life cycle
@@ -142,6 +142,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             self.ui.parameterSetSelector.setCurrentNode(self._lastSet)
             taken = self.logic.takenIDs(parameterNode, "outputVessel")
             self.ui.outputSelector.sortFilterProxyModel().hiddenNodeIDs = taken
+            self._chosen = parameterNode.vessel, parameterNode.centerline
             self.stents = StentList(parameterNode)
             self._binding = GuiBinding(parameterNode, self.ui)
             self._nameChoices()
@@ -162,6 +163,10 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     def onParameterNodeModified(self, caller=None, event=None):
         if self._parameterNode is None or self.stents.synchronize():
             return  # synchronizing has called this again
+        chosen = self._parameterNode.vessel, self._parameterNode.centerline
+        if chosen != self._chosen:
+            self._chosen = chosen
+            self._parameterNode.status = ""  # what was said is of others
         self.logic.chooseSegment(self._parameterNode)
         Showing.inOneColor(self._parameterNode.vessel, self._parameterNode.centerline)
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))

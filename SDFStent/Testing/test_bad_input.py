@@ -170,3 +170,24 @@ def test_deleting_a_node_while_deploying_ends_with_a_sentence_or_a_result(
 def test_unknown_values_of_a_stent_are_named(aLogic, theParameters):
     with pytest.raises(InputError, match="got breadth"):
         aLogic.addStent(theParameters, breadth=3)
+
+
+def test_what_was_said_of_other_inputs_is_gone(host, aStent, aScene):
+    from SDFStentSlicer import Conversion
+
+    from SDFStentLib.files import polydata_from_lines
+
+    parameters, ui = aStent._parameterNode, aStent.ui
+    right = parameters.centerline
+    points, lines, _radii = Conversion.centerlineLines(right)
+    wrong = aScene.AddNewNodeByClass("vtkMRMLModelNode", "Of another patient")
+    wrong.SetAndObservePolyData(polydata_from_lines(points + 500.0, lines))
+    ui.centerlineSelector.setCurrentNode(wrong)
+    settle(host, aStent)
+    host.click(ui.deployButton)
+    settle(host, aStent)
+    assert parameters.status
+    ui.centerlineSelector.setCurrentNode(right)
+    settle(host, aStent)
+    assert parameters.status == ""
+    assert not ui.statusLabel.visible
