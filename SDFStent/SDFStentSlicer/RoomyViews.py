@@ -36,6 +36,15 @@ class RoomyViews:
         self._parameterNode = parameterNode
         self._follow()
 
+    def showPlot(self):
+        """Show the plot, in these views where there is none: those of Slicer with a plot and in 3D are wider than a small screen."""
+        node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+        if node is not None and not Showing.hasPlot(node):
+            self._former = self._chart = None
+            self._button.checked = True
+            self._follow()
+        Showing.showPlot(self._parameterNode)
+
     def leave(self):
         """The module is left."""
         self._parameterNode = None

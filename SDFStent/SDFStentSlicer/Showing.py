@@ -102,6 +102,11 @@ def _change(kind, layoutFor, with3D):
     node.SetViewArrangement(wanted)
 
 
+def hasPlot(node):
+    """Whether the present layout of a layout node has a view for plots."""
+    return _has(node, node.GetViewArrangement(), "Plot")
+
+
 def _has(node, layout, kind):
     """Whether a layout has a view for plots or tables, or with "" one in 3D."""
     return f'"vtkMRML{kind}ViewNode"' in node.GetLayoutDescription(layout)

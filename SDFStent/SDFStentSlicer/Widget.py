@@ -239,9 +239,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.ui.cancelButton.connect("clicked()", self.onCancel)
         self.ui.beforeButton.connect("clicked()", self.onBefore)
         self.ui.expansionSlider.connect("valueChanged(double)", self.onExpansionChanged)
-        self.ui.showPlotButton.connect(
-            "clicked()", lambda: self.logic.showPlot(self._parameterNode)
-        )
+        self.ui.showPlotButton.connect("clicked()", self.views.showPlot)
         self.ui.showTableButton.connect(
             "clicked()", lambda: self.logic.showTable(self._parameterNode)
         )

@@ -56,6 +56,26 @@ def test_the_roomy_views_are_there_while_the_module_is_and_show_the_plot(host, a
     assert layout.GetViewArrangement() == layout.SlicerLayoutOneUp3DView
 
 
+def test_the_plot_comes_in_the_roomy_views_where_there_is_none(host, aStent, aScene):
+    layout, ui = aScene.GetFirstNodeByClass("vtkMRMLLayoutNode"), aStent.ui
+    layout.SetViewArrangement(layout.SlicerLayoutFourUpView)
+    deploy(host, aStent)
+    for former in (layout.SlicerLayoutFourUpView, layout.SlicerLayout3DTableView):
+        layout.SetViewArrangement(former)
+        host.click(ui.showPlotButton)
+        assert ui.roomyViewsButton.checked
+        shown = layout.GetLayoutDescription(layout.GetViewArrangement())
+        assert '"vtkMRMLViewNode"' in shown
+        assert '"vtkMRMLPlotViewNode"' in shown
+        assert '"vtkMRMLSliceNode"' not in shown  # Slicer's own one with these is 930 pixels wide
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    assert selection.GetActivePlotChartID() == aStent._parameterNode.outputChart.GetID()
+    aStent.exit()
+    assert layout.GetViewArrangement() == layout.SlicerLayout3DTableView
+    aStent.enter()
+    ui.roomyViewsButton.checked = False
+
+
 @pytest.fixture
 def aSegmentation(host, aStent, aScene):
     """The panel, with the vessel and another segment in a segmentation."""
