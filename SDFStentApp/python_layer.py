@@ -179,7 +179,11 @@ def _loaded(path: str) -> Any:
     panel = Panel(Path(path))
     top = panel.top.widget
     top.panel = panel  # type: ignore[attr-defined]
-    # The browser gives the page its height.
-    top.layout = lambda: types.SimpleNamespace(heightForWidth=lambda _width: 0)  # type: ignore[attr-defined]
-    top.width = 0  # type: ignore[attr-defined]
+    # The browser gives the page its size.
+    layout = types.SimpleNamespace(
+        heightForWidth=lambda _width: 0,
+        minimumSize=lambda: types.SimpleNamespace(width=lambda: 0),
+    )
+    top.layout = lambda: layout  # type: ignore[attr-defined]
+    top.width = top.minimumWidth = 0  # type: ignore[attr-defined]
     return top

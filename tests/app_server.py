@@ -40,6 +40,8 @@ class AppServer:
     ) -> None:
         self.folder = folder
         folder.mkdir(exist_ok=True)
+        # A pipe that nobody reads would hold up pages that have much to say.
+        self._said = Path(f"{folder}-said.txt")
         environment = {
             name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
         }
@@ -47,23 +49,24 @@ class AppServer:
             arguments = ("--no-browser", *arguments)
         else:
             environment |= {"BROWSER": str(browser), "WAYLAND_DISPLAY": "of-the-tests"}
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "SDFStentLib", "app", *map(str, arguments)],
-            cwd=PROJECT,
-            env={
-                **environment,
-                "TMPDIR": str(folder),
-                "XDG_STATE_HOME": f"{folder}-state",
-                "OMP_NUM_THREADS": "1",
-            },
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            **INTERRUPTIBLE,
-        )
+        with self._said.open("wb") as said:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "SDFStentLib", "app", *map(str, arguments)],
+                cwd=PROJECT,
+                env={
+                    **environment,
+                    "TMPDIR": str(folder),
+                    "XDG_STATE_HOME": f"{folder}-state",
+                    "OMP_NUM_THREADS": "1",
+                },
+                stdout=subprocess.PIPE,
+                stderr=said,
+                text=True,
+                **INTERRUPTIBLE,
+            )
         assert self.process.stdout is not None
         line = self.process.stdout.readline()
-        assert line.startswith("Open http://"), self.process.communicate()
+        assert line.startswith("Open http://"), self.said()
         self.address = line.split()[1]
         self.origin, self.token = self.address.rstrip("/").rsplit("/", 1)
 
@@ -72,10 +75,15 @@ class AppServer:
         children = psutil.Process(self.process.pid).children(recursive=True)
         return [child for child in children if child.net_connections()]
 
+    def said(self) -> str:
+        """What it and its pages have said on stderr all in all."""
+        return self._said.read_text(encoding="utf-8")
+
     def interrupt(self) -> str:
-        """Ctrl-C; what it said on stderr all in all."""
+        """Ctrl-C; what was said."""
         self.process.send_signal(signal.SIGINT)
-        return self.process.communicate(timeout=PATIENCE)[1]
+        self.process.communicate(timeout=PATIENCE)
+        return self.said()
 
     def close(self) -> None:
         if self.process.poll() is None:
