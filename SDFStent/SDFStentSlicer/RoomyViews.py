@@ -1,4 +1,7 @@
-"""Views as this module needs them, a large one in 3D and the plot beneath, as long as it is shown."""
+"""Views as this module needs them, a large one in 3D and the plot beneath, as long as it is shown.
+
+No scene is saved with them: where this module is not, Slicer would show no view at all.
+"""
 
 import slicer
 
@@ -57,6 +60,8 @@ class RoomyViews:
         if self._parameterNode is None or not self._button.checked:
             if node.GetViewArrangement() == LAYOUT and self._former is not None:
                 node.SetViewArrangement(self._former)
+            if self._former is not None:
+                node.SetSaveWithScene(True)
             self._former = self._chart = None
             return
         if self._former is None:
@@ -64,6 +69,7 @@ class RoomyViews:
             if not node.IsLayoutDescription(LAYOUT):
                 node.AddLayoutDescription(LAYOUT, DESCRIPTION)
             node.SetViewArrangement(LAYOUT)
+            node.SetSaveWithScene(False)
         chart = self._parameterNode.outputChart
         if chart is not None and chart is not self._chart:
             self._chart = chart

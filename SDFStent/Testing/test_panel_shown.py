@@ -1,5 +1,7 @@
 """What is seen beside the panel: views, the vessel behind its stented copy, and what is left when stents go."""
 
+import zipfile
+
 import pytest
 import slicer
 from panel_helpers import deploy, settle, theThroat
@@ -74,6 +76,29 @@ def test_the_plot_comes_in_the_roomy_views_where_there_is_none(host, aStent, aSc
     assert layout.GetViewArrangement() == layout.SlicerLayout3DTableView
     aStent.enter()
     ui.roomyViewsButton.checked = False
+
+
+def test_no_scene_is_saved_with_the_roomy_views_and_they_come_back(host, aStent, aScene, tmp_path):
+    layout, ui = aScene.GetFirstNodeByClass("vtkMRMLLayoutNode"), aStent.ui
+    for number in range(2):
+        layout.SetViewArrangement(layout.SlicerLayoutFourUpView)
+        ui.roomyViewsButton.checked = True
+        roomy, path = layout.GetViewArrangement(), tmp_path / f"{number}.mrb"
+        host.saveAndLoad(path)
+        assert layout.GetViewArrangement() == roomy
+        assert f'"{roomy}"' not in sceneText(path)
+        aStent.exit()
+        assert layout.GetViewArrangement() == layout.SlicerLayoutFourUpView
+        aScene.WriteToMRB(str(path))
+        assert "<Layout" in sceneText(path)  # of all other views it is
+        aStent.enter()
+        ui.roomyViewsButton.checked = False
+
+
+def sceneText(path):
+    with zipfile.ZipFile(path) as bundle:
+        (name,) = (name for name in bundle.namelist() if name.endswith(".mrml"))
+        return bundle.read(name).decode()
 
 
 @pytest.fixture
