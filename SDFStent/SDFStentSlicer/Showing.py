@@ -1,5 +1,7 @@
 """What is shown in place of something else, a node or of a segmentation one segment in 3D; plot and table in the views."""
 
+import contextlib
+
 import slicer
 
 ONE_COLOR = "SDFStent.OneColor"
@@ -7,6 +9,17 @@ VESSEL_COLOR, VESSEL_OPACITY = (0.85, 0.81, 0.78), 0.35
 """Lesions, lines and handles lie inside: before stents as after."""
 LINE_COLOR, LINE_WIDTH = (0.15, 0.35, 0.75), 3
 """Of centerlines; pixels."""
+
+
+@contextlib.contextmanager
+def inOneFrame():
+    """What is changed meanwhile is drawn at its end: where frames take long, views draw one at every single change."""
+    views = slicer.app.applicationLogic()
+    views.PauseRender()
+    try:
+        yield
+    finally:
+        views.ResumeRender()
 
 
 def inOneColor(vessel, centerline):

@@ -5,7 +5,7 @@ import slicer
 from slicer.i18n import tr as _
 from slicer.util import VTKObservationMixin
 
-from . import Clock, Conversion, Sizes
+from . import Clock, Conversion, Showing, Sizes
 from .Dragging import VIEW_ATTRIBUTE
 from .Handles import COLOR, POINTS
 from .Marks import createMark, createTube, removeMark
@@ -42,11 +42,12 @@ class StentEnds(VTKObservationMixin):
         if standing == self._standing:
             return
         self._parameterNode, self._standing = parameterNode, standing
-        removeMark(self._tube)
-        if self._node is None or not self._node.GetAttribute(VIEW_ATTRIBUTE):
-            if self._node is not None and self._node.GetScene() is not None:
-                self._node.SetDisplayVisibility(False)
-            self._timer.start()
+        with Showing.inOneFrame():
+            removeMark(self._tube)
+            if self._node is None or not self._node.GetAttribute(VIEW_ATTRIBUTE):
+                if self._node is not None and self._node.GetScene() is not None:
+                    self._node.SetDisplayVisibility(False)
+                self._timer.start()
 
     def leave(self):
         """No stent is shown any more."""
@@ -70,6 +71,10 @@ class StentEnds(VTKObservationMixin):
 
     def _update(self):
         self._timer.stop()
+        with Showing.inOneFrame():
+            self._showNow()
+
+    def _showNow(self):
         self._showTube()
         ends = self._logic.stentEnds(self._parameterNode)
         if ends is None:

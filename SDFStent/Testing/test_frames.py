@@ -62,3 +62,18 @@ def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, m
     settle(host, aStent)
     assert len(shown) >= 10
     assert turns < 15
+
+
+def test_no_frame_is_drawn_of_half_a_stent(host, aStent, monkeypatch):
+    logic, order = aStent.logic, []
+    find, lead = logic.stentLying, logic.leadEnds
+    monkeypatch.setattr(logic, "stentLying", lambda *args: (time.sleep(0.05), find(*args))[1])
+    monkeypatch.setattr(logic, "leadEnds", lambda *args: (lead(*args), order.append("whole")))
+    host.processUntil(lambda: not aStent.ends.isBusy)
+    order.clear()
+    with host.drawing(0.05) as frames:
+        frames.onFrame = lambda: order.append("frame")
+        aStent.ends._update()
+        host.process(0.2)
+    assert order[0] == "whole"
+    assert "frame" in order
