@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import types
 from collections.abc import Sequence
 from dataclasses import MISSING, fields, is_dataclass
@@ -104,8 +105,10 @@ def _schema(hint: Any, one: Parameter | None) -> dict[str, Any]:
 
 
 def _hints(kind: Any) -> dict[str, Any]:
-    hints = get_type_hints(kind)
-    return {field.name: hints[field.name] for field in fields(kind)}
+    # Of the fields only: Python 3.10 refuses the mark KW_ONLY as a type.
+    own = {field.name: field.type for field in fields(kind)}
+    names = vars(sys.modules[kind.__module__])
+    return get_type_hints(types.SimpleNamespace(__annotations__=own), names)
 
 
 def _keys(kind: Any) -> tuple[tuple[str, ...], tuple[str, ...]]:
