@@ -37,7 +37,8 @@ def widest_way(points, triangles, ends, places):
     one = np.repeat(np.arange(len(places)), near.shape[1])
     other = near.ravel()
     sees = apart.ravel() < np.maximum(room[one], room[other])
-    one, other = one[sees], other[sees]
+    # SciPy up to 1.15 takes no longer numbers here.
+    one, other = one[sees].astype(np.int32), other[sees].astype(np.int32)
     weight = 1e3 - np.minimum(room[one], room[other])
     graph = coo_array((weight, (one, other)), shape=(len(places),) * 2).tocsr()
     tree = minimum_spanning_tree(graph)
