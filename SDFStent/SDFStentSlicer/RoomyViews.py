@@ -43,7 +43,7 @@ class RoomyViews:
         """Show the plot, in these views where there is none: those of Slicer with a plot and in 3D are wider than a small screen."""
         node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
         if node is not None and not Showing.hasPlot(node):
-            self._former = self._chart = None
+            self._former = None
             self._button.checked = True
             self._follow()
         Showing.showPlot(self._parameterNode)
@@ -58,9 +58,9 @@ class RoomyViews:
         if node is None:  # without a window
             return
         if self._parameterNode is None or not self._button.checked:
-            if node.GetViewArrangement() == LAYOUT and self._former is not None:
-                node.SetViewArrangement(self._former)
             if self._former is not None:
+                if node.GetViewArrangement() == LAYOUT:
+                    node.SetViewArrangement(self._former)
                 node.SetSaveWithScene(True)
             self._former = self._chart = None
             return
