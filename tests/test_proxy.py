@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -12,9 +13,11 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings, Proxy, deploy
 from SDFStentLib.geometry import Line, Surface, dot, face_normals
 from SDFStentLib.lumen import diameter_profile, rough_radii
+from SDFStentLib.plan import read_input_files
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
 from SDFStentLib.treatment import Preview, Treatment
 from SDFStentLib.validation import DeploymentError, InputError
+from SDFStentLib.vessel import find_lesions, lesions_after, lesions_within
 
 PREVIEW = DeploymentSettings.preview()
 
@@ -109,6 +112,46 @@ def test_the_minimum_lumen_of_a_preview_is_near_the_measured_one(sweep, data_dir
         rough = 2 * rough_radii(seen.points, stations, seen.normals).min()
         full = deploy(vessel.surface, chain, stent.radius).surface
         assert rough == pytest.approx(diameter_profile(full, stent.axis).minimum, rel=0.03)
+
+
+@pytest.mark.parametrize("name", ["su0243", "tree_narrowed"])
+def test_what_a_preview_leaves_of_a_lesion_is_near_the_measured_one(data_dir, name):
+    files = (data_dir / f"{name}_{kind}_mm.vtp" for kind in ("surface", "centerline"))
+    vessel = read_input_files(*map(str, files)).vessel
+    preview, settings = Preview(vessel.surface, vessel.centerline), DeploymentSettings()
+    random = np.random.default_rng(3)
+    large = [one for one in vessel.lesions if one.reference_diameter > 3]
+    for _ in range(4):  # some shorter than the lesion, some beside its middle, some too narrow
+        lesion = large[random.integers(len(large))]
+        (place,) = lesion.line.at([random.uniform(0.1, 0.9) * lesion.line.length])
+        diameter = lesion.reference_diameter * random.uniform(0.6, 1.3)
+        stent = Stent(diameter, placement=AtCenter(place), length=random.uniform(6, 30))
+        state = preview.of([stent])
+        (axis,) = (one.axis.line for one in state.stents)
+        (told,) = state.numbers(vessel.lesions)
+        covered = lesions_within(vessel.lesions, axis)
+        if not covered:
+            assert told.lesion is None
+            assert np.isnan(told.left)
+            continue
+        assert told.lesion.percent_diameter == max(one.percent_diameter for one in covered)
+        in_vessels = {one.vessel for one in covered}
+        there = [one for one in vessel.lesions if one.vessel in in_vessels]
+        full = deploy(vessel.surface, settings.chain(axis), diameter / 2, settings).surface
+        left = max(one.percent_diameter for one in lesions_after(there, full))
+        assert told.left == pytest.approx(left, abs=5)
+
+
+def test_a_proxy_too_coarse_for_a_lumen_tells_nothing_of_it():
+    phantom = fine_tube()
+    (lesion,) = find_lesions(phantom.surface, phantom.centerline)
+    state = Preview(phantom.surface, phantom.centerline).of(
+        [Stent(5.0, placement=AtCenter(lesion.point), length=12)]
+    )
+    one = state.stents[0]
+    coarse = replace(one, state=one.state._replace(spacing=9.0))
+    (told,) = replace(state, stents=(coarse,)).numbers([lesion])
+    assert np.isnan([told.lumen, told.left]).all()
 
 
 def test_one_center_or_no_wall_is_refused():

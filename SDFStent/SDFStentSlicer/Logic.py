@@ -178,7 +178,7 @@ class SDFStentLogic(
     def steps(self, parameterNode, live=False, standing=None, mayGoOn=lambda: False):
         """Deploy step by step: an iterator over the fraction done that shows every step in the output.
 
-        `live` is for dragging: the end of the library's preview, neither finished nor certified, with about the minimum lumen.
+        `live` is for dragging: the end of the library's preview, neither finished nor certified, with about its numbers.
         `standing` is that of the parameter node, where it was just asked for. While `mayGoOn()`, the end of a full run that
         takes a preview's place is not shown before what can be measured without it. The iterator also stops every 5 ms during longer calculations, so that whoever runs it can react.
         """

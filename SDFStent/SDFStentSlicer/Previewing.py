@@ -19,7 +19,7 @@ NUMBERS_EVERY_S = 0.15
 
 
 class Previewing:
-    """Shows what the library's preview says of a plan, and about the minimum lumen."""
+    """Shows what the library's preview says of a plan, and about its numbers."""
 
     def __init__(self):
         self._measuredAt = 0.0
@@ -59,14 +59,14 @@ class Previewing:
         Results.showMap(shown.parameterNode, run)
 
     def _numbers(self, parameterNode, run, search):
-        """Show about the minimum lumen, unless that was done just now; numbers of the full method are replaced at once."""
+        """Show about its numbers, unless that was done just now; numbers of the full method are replaced at once."""
         now, isTold = time.perf_counter(), not parameterNode.certificateSummary
         if isTold and now - self._measuredAt < NUMBERS_EVERY_S:
             return
-        lumens = yield from working(run.lumens())
-        self._measuredAt = now
         found = () if search is None else search.found or ()
-        Results.showPreviewed(parameterNode, run, lumens, found)
+        numbers = yield from working(run.numbers(found))
+        self._measuredAt = now
+        Results.showPreviewed(parameterNode, run, numbers, found)
         yield 1.0
 
 
@@ -130,9 +130,9 @@ class PreviewRun:
         points[self.state.indices] = self.state.coordinates
         return points
 
-    def lumens(self):
-        """Measure the minimum lumen of every stent, mm; yields None until it is done, then returns a list."""
-        return (yield from inPortions(lambda: [one.minimum_lumen() for one in self.state.stents]))
+    def numbers(self, lesions):
+        """Measure every stent and what is left of the lesions of the vessel; yields None until it is done, then returns a list."""
+        return (yield from inPortions(lambda: self.state.numbers(lesions)))
 
     def tubes(self):
         """Every stent as a `DrawnStent`."""

@@ -103,21 +103,21 @@ def followDevice(parameterNode, run):
         showStents(parameterNode, stents, isWhole)
 
 
-def showPreviewed(parameterNode, run, lumens, lesions):
-    """The numbers of a preview, as such, and the ratios to the `lesions` of the vessel, as far as these are known."""
+def showPreviewed(parameterNode, run, numbers, lesions):
+    """The `numbers` of a preview, as such, and the ratios to the `lesions` of the vessel, as far as these are known."""
     sentences = [
         _("{name}, {diameter:.1f} mm\nMinimum lumen: about {lumen} mm (preview)").format(
-            name=one.stent.name, diameter=one.stent.diameter, lumen=_number(lumen)
+            name=one.stent.name, diameter=one.stent.diameter, lumen=_number(its.lumen)
         )
         + "".join(f"\n{sentence}" for sentence in _ratios(one, lesions))
-        for one, lumen in zip(run.state.stents, lumens, strict=True)
+        for one, its in zip(run.state.stents, numbers, strict=True)
     ]
     with slicer.util.NodeModify(parameterNode):
         clearNumbers(parameterNode, "\n\n".join(sentences))
-        parameterNode.tiles = json.dumps(previewed_tiles(lumens))
+        parameterNode.tiles = json.dumps(previewed_tiles(numbers))
         if run.state.stents:
             number = selectedStent(parameterNode, run)
-            lines = previewed_lines(run.state.stents[number], lumens[number])
+            lines = previewed_lines(run.state.stents[number], numbers[number])
             parameterNode.atHand = "\n".join(lines)
 
 

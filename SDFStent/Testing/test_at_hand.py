@@ -34,14 +34,18 @@ def test_the_view_tells_of_the_stent_while_it_is_dragged_and_when_it_is_measured
     ui.autoUpdateCheckBox.checked = True
     host.processUntil(lambda: not aStent.lesions.isBusy)
     settle(host, aStent)
+    seen.clear()
     ui.diameterSlider.value = 8.0
     settle(host, aStent)
     previews = [lines for lines in seen if lines[-1] == "preview"]
     assert previews
-    assert all(lines[1].startswith("narrowest about") for lines in previews)
     lines, annotation = corner()
     run = aStent.logic.lastRun(aStent._parameterNode)
     treated, lesion = run.result.stents[0], run.lesions[0]
+    before = lesion.before
+    for told in previews:
+        assert told[1].startswith(f"narrowest {before.minimum_diameter:.1f} -> about ")
+        assert told[2].startswith(f"stenosis {before.percent_diameter:.0f} % -> ")
     assert lines[0] == f"8.0 x {lengthOf(treated.axis.points):.1f} mm"
     assert lines[1] == f"narrowest {treated.before.minimum:.1f} -> {treated.after.minimum:.1f} mm"
     assert lines[2].startswith(f"stenosis {lesion.before.percent_diameter:.0f} % -> ")

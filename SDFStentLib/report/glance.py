@@ -9,7 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cautions import GRAVEST, Caution
-from ..treatment import PlacedStent, TreatedLesion, TreatedStent, branches_beside, residual_of
+from ..treatment import (
+    PlacedStent,
+    PreviewedNumbers,
+    TreatedLesion,
+    TreatedStent,
+    branches_beside,
+    residual_of,
+)
 from .facts import ALL_ROUND, CONTACT
 from .flow import share_gained
 from .words import degree_word, number_text
@@ -36,17 +43,20 @@ class Tile(NamedTuple):
     """Whether it has to be known before one relies on the others."""
 
 
-def previewed_lines(placed: PlacedStent, lumen: float) -> list[str]:
-    """Of a preview: the size, about the narrowest lumen in the stent, mm, and that it is one.
+def previewed_lines(placed: PlacedStent, numbers: PreviewedNumbers) -> list[str]:
+    """Of a preview: size, about the narrowest lumen and the stenosis left, and that it is one."""
+    told, lesion = [_size(placed)], numbers.lesion
+    if math.isfinite(numbers.lumen):
+        before = "" if lesion is None else f"{lesion.minimum_diameter:.1f} -> "
+        told.append(f"narrowest {before}about {numbers.lumen:.1f} mm")
+    if lesion is not None:
+        told.append(f"stenosis {degree_word(lesion.percent_diameter)} -> {_about(numbers.left)}")
+    return [*told, PREVIEW]
 
-    Parameters
-    ----------
-    placed : PlacedStent
-    lumen : float
-        NaN where it is not known.
-    """
-    known = [f"narrowest about {lumen:.1f} mm"] if math.isfinite(lumen) else []
-    return [_size(placed), *known, PREVIEW]
+
+def _about(percent: float) -> str:
+    word = degree_word(percent)
+    return f"about {word}" if word.endswith("%") else word
 
 
 def measuring_lines(placed: PlacedStent) -> list[str]:
@@ -150,10 +160,15 @@ def _contact(treated: TreatedStent) -> str:
     return f"off the wall over {found.free_length:.0f} of {found.length:.0f} mm"
 
 
-def previewed_tiles(lumens: Sequence[float]) -> list[Tile]:
-    """Of a preview, by the narrowest lumen of every stent, mm; NaN where it is not known."""
-    known = [one for one in lumens if math.isfinite(one)]
-    return [Tile(LUMEN, f"about {min(known):.1f} mm", PREVIEW)] if known else []
+def previewed_tiles(numbers: Sequence[PreviewedNumbers]) -> list[Tile]:
+    """Of a preview, by what there is of every stent: narrowest lumen and stenosis left, about."""
+    lumens = [one.lumen for one in numbers if math.isfinite(one.lumen)]
+    tiles = [Tile(LUMEN, f"about {min(lumens):.1f} mm", PREVIEW)] if lumens else []
+    before = [one.lesion.percent_diameter for one in numbers if one.lesion is not None]
+    if before:
+        beneath = f"before {degree_word(max(before))}, {PREVIEW}"
+        tiles.append(Tile(STENOSIS, _about(numbers[0].left), beneath))
+    return tiles
 
 
 def result_tiles(

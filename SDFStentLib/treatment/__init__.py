@@ -10,6 +10,7 @@ from .lesions import residual_of as residual_of
 from .lesions import treated_lesions as treated_lesions
 from .placing import placement_at as placement_at
 from .preview import Preview as Preview
+from .preview import PreviewedNumbers as PreviewedNumbers
 from .preview import PreviewState as PreviewState
 from .profile import prescribed_diameters as prescribed_diameters
 from .ratios import SEEN_RATIOS as SEEN_RATIOS

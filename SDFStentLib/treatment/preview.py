@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,14 +19,30 @@ from ..deformation import DeploymentSettings, Proxy, ProxyState
 from ..geometry import Surface
 from ..lumen import VesselInside, rough_radii
 from ..stent import Stent
-from ..validation import Indices, Points, as_number, read_only
+from ..validation import Floats, Indices, Points, as_number, read_only
+from ..vessel import Lesion, lesions_within, tightest
 from .straightening import AxisChange, axis_in_vessel
 from .surroundings import PROFILE_SPACING
 from .value import PlacedStent, label_of, labeled, resolved, switched_on
 from .warnings import check_width
 
+NEAR = 6.0
+"""Wall so far beyond a stent still follows it, mm; the usual influence distance is 6.5."""
+
 MOST_STATIONS = 24
 """At which the lumen of a preview is measured, about."""
+
+
+class PreviewedNumbers(NamedTuple):
+    """About what one stent of a preview does."""
+
+    lumen: float
+    """Smallest inscribed diameter along it, mm; NaN where the proxy is too coarse."""
+    lesion: Lesion | None
+    """The worst that it covers, as it was; None where it covers none, or none is known."""
+    left: float
+    """The worst left in the vessels in which stents cover a lesion, percent by diameter; NaN where
+    that is not known, negative where it is wider than the reference."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +60,18 @@ class PreviewedStent(PlacedStent):
     def minimum_lumen(self) -> float:
         """About the smallest inscribed diameter along the stent once it is finished, mm.
 
-        Measured among the points of the proxy, before later stents. NaN where the proxy is too
-        coarse for the lumen.
+        NaN where the proxy is too coarse for the lumen.
         """
         spacing = max(PROFILE_SPACING, self.axis.deployed_length / MOST_STATIONS)
-        state, stations = self.state, self.axis.line.resampled(spacing).points
-        smallest = 2 * float(rough_radii(state.points, stations, state.normals).min())
-        return smallest if smallest > state.spacing else float("nan")
+        return float(self.diameters(self.axis.line.resampled(spacing).points).min())
+
+    def diameters(self, places: Points) -> Floats:
+        """About the same at two places or more along the vessel (n, 3), before later stents.
+
+        Measured among the points of the proxy, which lie near the stent.
+        """
+        found = 2 * rough_radii(self.state.points, places, self.state.normals)
+        return np.where(found > self.state.spacing, found, np.nan)
 
 
 @dataclass(frozen=True)
@@ -69,6 +91,36 @@ class PreviewState:
     indices: Indices
     coordinates: Points
     stents: tuple[PreviewedStent, ...]
+
+    def numbers(self, lesions: Sequence[Lesion] = ()) -> tuple[PreviewedNumbers, ...]:
+        """About what each of the stents does, and what they leave of the vessel's lesions."""
+        covered = [lesions_within(lesions, one.axis.line) for one in self.stents]
+        treated = {lesion.vessel for some in covered for lesion in some}
+        left = [self._left(lesion) for lesion in lesions if lesion.vessel in treated]
+        worst = float(np.max(left)) if left else float("nan")
+        return tuple(
+            PreviewedNumbers(
+                one.minimum_lumen(),
+                max(some, key=lambda lesion: lesion.percent_diameter, default=None),
+                worst,
+            )
+            for one, some in zip(self.stents, covered, strict=True)
+        )
+
+    def _left(self, lesion: Lesion) -> float:
+        """What is left of a lesion, wherever in it; far from the stents it is as it was."""
+        diameters = lesion.diameters.copy()
+        for one in self.stents:
+            away = one.axis.line.nearest(lesion.line.points).distances
+            # The wall round these is among the points near the stent.
+            near = away + lesion.healthy / 2 < one.stent.widest_diameter / 2 + NEAR
+            if near.sum() > 1:
+                found = one.diameters(lesion.line.points[near])
+                if np.isnan(found).any():
+                    return float("nan")
+                diameters[near] = np.fmax(found, diameters[near])
+        narrowest = tightest(diameters, lesion.healthy)
+        return float(100 * (1 - diameters[narrowest] / lesion.healthy[narrowest]))
 
 
 class Preview:
