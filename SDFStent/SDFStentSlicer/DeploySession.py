@@ -82,7 +82,9 @@ class DeploySession:
 
     def followFlow(self):
         """Tell the results for another flow, where that was set; after what is under way."""
-        if not self.isBusy and self._logic.isFlowOld(self._parameterNode):
+        if self._parameterNode is None or self.isBusy:
+            return
+        if self._logic.isFlowOld(self._parameterNode):
             self._live = self._isQuiet = False
             self._run.start(self._logic.tellFlow(self._parameterNode))
             self._onStart()
@@ -115,6 +117,7 @@ class DeploySession:
         standing = self._parameterNode and self._standing()
         if standing is None or not self._isNew(standing):
             self._rest()
+            self.followFlow()
             return
         if self.isRunning:
             if self._live:
@@ -168,5 +171,5 @@ class DeploySession:
         self._isQuiet = self._live
         self._onDone(error, standing)
         self._rest()
-        if self._parameterNode is not None and error is None:
+        if error is None:
             self.followFlow()

@@ -47,9 +47,12 @@ def test_a_flow_tells_what_the_library_tells_of_the_same_vessels(host, aStent):
     )
 
 
-def test_another_flow_is_told_without_another_deployment(host, aStent):
+@pytest.mark.parametrize("isLive", [False, True])
+def test_another_flow_is_told_without_another_deployment(host, aStent, isLive):
     ui, session = aStent.ui, aStent.session
     deploy(host, aStent)
+    ui.autoUpdateCheckBox.checked = isLive
+    settle(host, aStent)
     run = aStent.logic.lastRun(aStent._parameterNode)
     for mean in (3.0, 4.0):
         ui.flowMeanSpinBox.value = mean
