@@ -38,7 +38,7 @@ def vesselPolyData(node, segmentID=""):
     """
     if node is None:
         raise InputError(
-            "Vessel: expected a model or a segmentation, got none; select one in Inputs."
+            "Vessel: expected a model or a segmentation, got none; select one in Vessel."
         )
     checkTransform(node)
     if node.IsA("vtkMRMLSegmentationNode"):
@@ -86,7 +86,7 @@ def centerlineLines(node):
     """Points in world coordinates, lines of them and radii or None: what `Centerline.from_lines` makes a centerline of."""
     if node is None:
         raise InputError(
-            "Centerline: expected a model or a markups curve, got none; select one in Inputs."
+            "Centerline: expected a model or a markups curve, got none; select one in Vessel."
         )
     checkTransform(node)
     if node.IsA("vtkMRMLModelNode"):
@@ -104,6 +104,14 @@ def hasLines(node):
         return node is not None
     surface = node.GetPolyData()
     return surface is not None and surface.GetNumberOfLines() > 0
+
+
+def hasWall(node):
+    """Whether a vessel can be made of a node: of any segmentation, and of a model of polygons."""
+    if node is None or not node.IsA("vtkMRMLModelNode"):
+        return node is not None
+    surface = node.GetPolyData()
+    return surface is not None and surface.GetNumberOfPolys() + surface.GetNumberOfStrips() > 0
 
 
 def curvePoints(node):
@@ -251,7 +259,7 @@ def _segmentSurface(node, segmentID):
         )
     if segmentation.GetSegment(segmentID or "") is None:
         raise InputError(
-            f"Vessel {node.GetName()}: expected a segment, got none; select one in Inputs."
+            f"Vessel {node.GetName()}: expected a segment, got none; select one in Vessel."
         )
     surface = vtkPolyData()
     # The logic converts a copy of the segment where it has no surface yet, and applies the node's transform.

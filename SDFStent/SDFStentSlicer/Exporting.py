@@ -127,7 +127,7 @@ class Segments:
         """The same in portions: an iterator over the fraction that is done, which returns the folder."""
         if None in (parameterNode.vessel, parameterNode.centerline):
             raise InputError(
-                _("Segment: expected a vessel and its centerline, choose both in Inputs.")
+                _("Segment: expected a vessel and its centerline, choose both in Vessel.")
             )
         run = self.lastRun(parameterNode)
         isMeasured = run is not None and run.result is not None

@@ -37,7 +37,7 @@ class Steps:
     def show(self, parameterNode):
         """After parameters have changed."""
         vessel, centerline = parameterNode.vessel, parameterNode.centerline
-        isDone = vessel is not None and Conversion.hasLines(centerline)
+        isDone = Conversion.hasWall(vessel) and Conversion.hasLines(centerline)
         if isDone != self._isDone:
             self._isDone = self._ui.inputsCollapsibleButton.collapsed = isDone
         names = [node.GetName() for node in (vessel, centerline) if node is not None]

@@ -4,6 +4,8 @@ import contextlib
 
 import slicer
 
+from . import Conversion
+
 ONE_COLOR = "SDFStent.OneColor"
 VESSEL_COLOR, VESSEL_OPACITY = (0.85, 0.81, 0.78), 0.35
 """Lesions, lines and handles lie inside: before stents as after."""
@@ -25,24 +27,32 @@ def inOneFrame():
 def inOneColor(vessel, centerline):
     """Show models without the colors of the arrays that they happen to have, and a vessel that can be seen through.
 
-    Once: who wants it otherwise changes it again.
+    Once: who wants it otherwise changes it again. What was chosen by mistake keeps its own look.
     """
-    for node in (vessel, centerline):
+    for node, isSuch, show in (
+        (vessel, Conversion.hasWall, _asVessel),
+        (centerline, Conversion.hasLines, _asCenterline),
+    ):
         display = node and node.GetDisplayNode()
-        if not display or node.GetAttribute(ONE_COLOR):
-            continue
-        node.SetAttribute(ONE_COLOR, "1")
-        isModel = node.IsA("vtkMRMLModelNode")
-        if isModel:
-            display.SetScalarVisibility(False)
-        if node is vessel and isModel:
-            display.SetColor(*VESSEL_COLOR)
-            seeThrough(display)
-        elif node is vessel:
-            display.SetOpacity3D(VESSEL_OPACITY)
-        elif isModel:
-            display.SetColor(*LINE_COLOR)
-            display.SetLineWidth(LINE_WIDTH)
+        if display and isSuch(node) and not node.GetAttribute(ONE_COLOR):
+            node.SetAttribute(ONE_COLOR, "1")
+            show(display)
+
+
+def _asVessel(display):
+    if display.IsA("vtkMRMLModelDisplayNode"):
+        display.SetScalarVisibility(False)
+        display.SetColor(*VESSEL_COLOR)
+        seeThrough(display)
+    else:
+        display.SetOpacity3D(VESSEL_OPACITY)
+
+
+def _asCenterline(display):
+    if display.IsA("vtkMRMLModelDisplayNode"):
+        display.SetScalarVisibility(False)
+        display.SetColor(*LINE_COLOR)
+        display.SetLineWidth(LINE_WIDTH)
 
 
 def seeThrough(display):

@@ -192,12 +192,21 @@ def test_results_are_in_one_folder_per_parameter_set(aLogic, theParameters, aSce
 
 
 def test_vessel_and_centerline_stay_open_until_they_can_be_used(host, aPanel, aVessel):
-    from SDFStentSlicer import Conversion
+    from SDFStentSlicer import Conversion, Showing
 
     from SDFStentLib.files import polydata_from_lines
 
     ui, (vessel, centerline) = aPanel.ui, aVessel
+    ui.centerlineSelector.setCurrentNode(vessel)
+    ui.vesselSelector.setCurrentNode(centerline)
+    ui.centerlineSelector.setCurrentNode(centerline)
+    assert not ui.inputsCollapsibleButton.collapsed  # centerlines are offered as vessels
     ui.vesselSelector.setCurrentNode(vessel)
+    assert ui.inputsCollapsibleButton.collapsed
+    looks = [
+        (one.GetDisplayNode().GetColor(), one.GetDisplayNode().GetOpacity()) for one in aVessel
+    ]
+    assert looks == [(Showing.VESSEL_COLOR, Showing.VESSEL_OPACITY), (Showing.LINE_COLOR, 1.0)]
     for chosen in (vessel, centerline, vessel):  # the list of centerlines offers surfaces, too
         ui.centerlineSelector.setCurrentNode(chosen)
         host.processUntil(lambda: not aPanel.lesions.isBusy)
