@@ -3,6 +3,7 @@
 import ctypes
 import sys
 import time
+import weakref
 from pathlib import Path
 
 import PySide6
@@ -31,6 +32,28 @@ def deliverEvents(isWaiting=False):
     """Let Qt deliver its events, timers included; where it waits, until there is one."""
     events = QtCore.QEventLoop
     _processEvents((events.WaitForMoreEvents if isWaiting else events.AllEvents).value)
+
+
+class QTimer(QtCore.QTimer):
+    """A timer of the module: where nothing else is to be done, the time that is left of it need not be sat out."""
+
+    known = weakref.WeakSet()
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.known.add(self)
+
+
+def passTime():
+    """End the wait of the timer that is due next, as if its time had passed; whether there was one, and nothing under way."""
+    waiting = [timer for timer in QTimer.known if QtCore.QTimer.isActive(timer)]
+    if not waiting or any(QtCore.QTimer.interval(timer) == 0 for timer in waiting):
+        return False
+    due = min(waiting, key=QtCore.QTimer.remainingTime)
+    if QtCore.QTimer.isSingleShot(due):
+        due.stop()
+    due.timeout.emit()
+    return True
 
 
 class Frames:

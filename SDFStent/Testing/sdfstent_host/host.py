@@ -27,7 +27,7 @@ if sys.version_info < (3, 12):
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from . import mrml, slicer_stand_in
-from .event_loop import Frames, deliverEvents
+from .event_loop import Frames, deliverEvents, passTime
 from .qt_stand_in import wrapped
 from .skins import qMRMLWidget
 
@@ -78,7 +78,7 @@ class Host:
         )
         self.pythonErrors = []
         sys.excepthook = self._onException  # slots and VTK observers report here, not to the caller
-        self._panels, self._rulers = [], {}
+        self._panels, self._rulers, self._isDrawing = [], {}, False
         logging.getLogger().addHandler(LogList(self.pythonErrors))
         self.application.errorLog.clear()  # what Slicer's own start-up says is not the module's
 
@@ -121,9 +121,11 @@ class Host:
         """Draw the 3D view as the application does, frames that cost so much; gives the `Frames`."""
         application = self.application
         frames = Frames(application.view.group, application.applicationLogic, seconds)
+        self._isDrawing = True
         try:
             yield frames
         finally:
+            self._isDrawing = False
             frames.stop()
 
     def widths(self, panel):
@@ -181,7 +183,8 @@ class Host:
         while not condition():
             if time.perf_counter() > end:
                 raise TimeoutError(f"Still waiting after {seconds} s.")
-            self._sleep()
+            if self._isDrawing or not passTime():
+                self._sleep()
 
     def _sleep(self, milliseconds=LOOK_MS):
         """Until there is an event, and deliver it."""

@@ -10,6 +10,8 @@ from PySide6 import QtCore, QtGui, QtWidgets
 
 from SDFStentApp.widgets import Widget
 
+from .event_loop import QTimer
+
 # Virtual or static methods that share a property's name; PythonQt keeps the method.
 NOT_AS_ATTRIBUTE = {"sizeHint", "minimumSizeHint", "singleShot", "objectName"}
 VIRTUAL = ("QProgressBar", "text")
@@ -98,7 +100,7 @@ class StandInModule(types.ModuleType):
 
 
 def qtModule():
-    return StandInModule("qt", (QtWidgets, QtGui, QtCore))
+    return StandInModule("qt", (types.SimpleNamespace(QTimer=QTimer), QtWidgets, QtGui, QtCore))
 
 
 def ctkModule():
