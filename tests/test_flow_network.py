@@ -265,6 +265,22 @@ def answer_of(a_fork, flow=40.0, **more):
     return FlowModel(channels, known_flow(flow, right=right, **more)).answer()
 
 
+def test_the_larger_branch_stays_the_first_where_another_power_makes_it_the_smaller_one():
+    """Two outlets of 4.6 mm take more than one of 6 mm at the powers 2 and 7/3, less at 3."""
+    x = np.linspace(0, 40, 81)
+    ways = {-1: [(1, 0, 0)], 0: [(1, 1, 0), (1, -1, 0)], 2: [(1, -1, 1), (1, -1, -1)]}
+    channels, size = [], iter((8.0, 6.0, 6.5, 4.6, 4.6))
+    for above, directions in ways.items():
+        for direction in directions:
+            start, at = (channels[above].points[-1], 40) if above >= 0 else (np.zeros(3), 0)
+            line, wide = start + np.outer(x, direction), np.full(81, next(size))
+            none = np.zeros(81, dtype=np.int64)
+            channels.append(Channel(line, at + x, wide, wide, none, x, above))
+    first, other = FlowModel(channels, known_flow(40.0)).answer().before["mean"].sides
+    assert first.low < 0.5 < first.value
+    assert first.low + other.high == pytest.approx(1)
+
+
 PRESSURES = {"inlet": 30.0, "wedge": 10.0, "split_right": 0.7}
 
 

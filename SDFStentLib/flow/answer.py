@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +33,7 @@ from .outlets import (
     outlet_shares,
     sides_of,
 )
-from .spans import Part, Piece, Ways, drop_over
+from .spans import Part, Piece, Ways, drops_over
 
 USUAL = Method()
 
@@ -143,13 +142,21 @@ class FlowModel:
     ) -> None:
         if known.right is not None:
             clues = clues._replace(right=np.array(known.right))
-        self.channels, self.known, self._clues = tuple(channels), known, clues
+        self.channels, self.known = tuple(channels), known
         self._widths, self._ways = widths_of(channels), Ways(channels)
         self._tree = tree_of(np.array([one.above for one in channels]))
         # Profiles, and how a jet divides where vessels do, are those of the usual shares.
         self._diameters = outlet_diameters(channels, self._widths)
         weights = self._diameters**USUAL.power
-        shares = shares_of(channels, outlet_shares(weights, self._sides(weights), known))
+        self._sides = sides_of(channels, self._tree, weights, clues)
+        if known.split_right is not None and not (self._sides and self._sides.is_known):
+            raise InputError(
+                "split to the right: expected a vessel of which the right branch is known, got one "
+                "that tells no sides; name a place in the right branch",
+                "right",
+                end=", or leave the split out.",
+            )
+        shares = shares_of(channels, outlet_shares(weights, self._sides, known))
         self._stream = Stream(PER_ML * known.mean * shares, turns_of(channels, self._widths))
         self._blocks: dict[float, tuple[Block, ...]] = {}
         self._usual = self._case(USUAL)
@@ -160,25 +167,13 @@ class FlowModel:
         """To both sides of the usual one."""
         return [(self._case(low), self._case(high)) for _, (low, high) in UNCERTAIN]
 
-    def _sides(self, weights: Floats) -> Sides | None:
-        sides = sides_of(self.channels, self._tree, weights, self._clues)
-        if self.known.split_right is not None and not (sides and sides.is_known):
-            raise InputError(
-                "split to the right: expected a vessel of which the right branch is known, got one "
-                "that tells no sides; name a place in the right branch",
-                "right",
-                end=", or leave the split out.",
-            )
-        return sides
-
     def _case(self, method: Method) -> _Case:
         weights, wider = self._diameters**method.power, method.wider
         if wider not in self._blocks:
             self._blocks[wider] = blocks_of(self.channels, self._widths, self._stream, wider)
         network = Network(self._blocks[wider], self._tree, method)
-        sides = self._sides(weights)
-        outlets = fitted_outlets(network, weights, sides, self.known)
-        return _Case(network, sides, outlets)
+        outlets = fitted_outlets(network, weights, self._sides, self.known)
+        return _Case(network, outlets)
 
     @cached_property
     def _cases(self) -> list[_Case]:
@@ -186,24 +181,23 @@ class FlowModel:
         return [self._usual, *(case for pair in self._others for case in pair)]
 
     @cached_property
-    def _before(self) -> list[_Seen]:
-        """Before treatment, by case: the same for every stent that is tried."""
+    def _before(self) -> _Seen:
+        """Before treatment: the same for every stent that is tried."""
         return self._seen([case.network for case in self._cases])
 
-    def _after(self, channels: Sequence[Channel]) -> list[_Seen]:
+    def _after(self, channels: Sequence[Channel]) -> _Seen:
         """The same with the channels after treatment."""
         widths = widths_of(channels, (self.channels, self._widths))
         blocks = {one: blocks_of(channels, widths, self._stream, one) for one in self._blocks}
         each = [case.network for case in self._cases]
         return self._seen([one._replace(blocks=blocks[one.method.wider]) for one in each])
 
-    def _seen(self, networks: Sequence[Network]) -> list[_Seen]:
+    def _seen(self, networks: Sequence[Network]) -> _Seen:
         """Networks by case at all flows into them, which are solved at once."""
         flows = (PER_ML * _flows(self.known)).tolist()
-        both = list(zip(self._cases, networks, strict=True))
+        both = zip(self._cases, networks, strict=True)
         questions = [(one, case.outlets, q) for case, one in both for q in flows]
-        states = iter(steady_states(questions))
-        return [_Seen(case, one, list(islice(states, len(flows)))) for case, one in both]
+        return _Seen(self._sides, networks, steady_states(questions))
 
     def answer(
         self,
@@ -225,19 +219,19 @@ class FlowModel:
         solve = None if known.wave is None else solve
         ways = [self._ways.pieces_along(part.line, part.before) for part in parts]
         seen = [self._before] if after is None else [self._before, self._after(after)]
-        told = np.stack([[one.moments(known, ways) for one in cases] for cases in seen], axis=1)
+        told = np.stack([one.moments(known, ways) for one in seen], axis=1)
         value = told[0]
         low, high = _reach(told)
-        networks = tuple(cases[0].network for cases in seen)
+        networks = tuple(one.usual for one in seen)
         if solve is not None:
             solved = [self._solved(solve, one) for one in networks]
-            value = np.array([one.moments(known, ways, is_even=True) for one in solved])
+            value = np.concatenate([one.moments(known, ways, is_even=True) for one in solved])
         spread = np.stack([value, value - low, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         moments = [dict(zip(names, map(self._moment, state), strict=True)) for state in spread]
         return FlowAnswer(
             known,
-            usual.sides,
+            self._sides,
             tuple(part.name for part in parts),
             names,
             moments[0],
@@ -254,7 +248,7 @@ class FlowModel:
             return self._wave_before
         inlets, through = solve(network, self._usual.outlets, self.known)
         states = [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
-        solved = _Seen(self._usual, network, states)
+        solved = _Seen(self._sides, [network], states)
         if is_before:
             self._wave_before = solved
         return solved
@@ -265,7 +259,7 @@ class FlowModel:
         drops = tuple(SpanDrop(*bands[k : k + 2]) for k in range(3, len(bands), 2))
         return Moment(
             bands[0] if self.known.has_pressures else None,
-            None if self._usual.sides is None else (bands[1], bands[2]),
+            None if self._sides is None else (bands[1], bands[2]),
             drops,
         )
 
@@ -281,51 +275,54 @@ class _Case(NamedTuple):
     """A vessel's network and outlets by one method, before treatment."""
 
     network: Network
-    sides: Sides | None
     outlets: Outlets
 
 
 class _Seen:
-    """A network with the outlets of a case at some flows into it."""
+    """The networks of some cases at some flows into them; their states follow case by case."""
 
-    def __init__(self, case: _Case, network: Network, states: Sequence[State]) -> None:
-        self.network, self._states = network, states
+    def __init__(
+        self, sides: Sides | None, networks: Sequence[Network], states: Sequence[State]
+    ) -> None:
+        self.usual = networks[0]
+        self._shape = len(networks), len(states) // len(networks)
+        self._networks = [one for one in networks for _ in range(self._shape[1])]
+        self._flows = np.array([one.flow for one in states])
         self._drops: dict[tuple[Piece, ...], Floats] = {}
-        self._into = np.array([one.flow[0] for one in states])
-        head = [np.array([one.inlet for one in states]) / PASCAL_PER_MMHG]
-        blocks = (None, None) if case.sides is None else case.sides.blocks
+        into = self._flows[:, 0]
         with np.errstate(invalid="ignore", divide="ignore"):
-            head += [self._flow(block) / self._into for block in blocks]
-        self._head = np.stack(head, axis=1)
-
-    def _flow(self, block: int | None) -> Floats:
-        """Through a block (t,); not known without one."""
-        nothing = np.full(len(self._states), np.nan)
-        return nothing if block is None else np.array([one.flow[block] for one in self._states])
+            shares = (
+                np.full((len(states), 2), np.nan)
+                if sides is None
+                else self._flows[:, sides.blocks] / into[:, None]
+            )
+        inlets = np.array([one.inlet for one in states]) / PASCAL_PER_MMHG
+        self._head = np.column_stack([inlets, shares])
+        self._into = into.reshape(self._shape)
 
     def _drop(self, pieces: tuple[Piece, ...]) -> Floats:
-        """Over a part (t, 2), mmHg."""
+        """Over a part, of all states (c * t, 2), mmHg."""
         known = self._drops.get(pieces)
         if known is None:
-            found = [drop_over(pieces, self.network, one.flow) for one in self._states]
-            known = np.array(found) / PASCAL_PER_MMHG
+            known = drops_over(pieces, self._networks, self._flows) / PASCAL_PER_MMHG
         return known
 
     def moments(
         self, known: Known, parts: Sequence[tuple[Piece, ...]], *, is_even: bool = False
     ) -> Floats:
-        """By moment and quantity: inlet, both shares, and two drops for every part.
+        """By case, moment and quantity: inlet, both shares, and two drops for every part.
 
         The states are those of `_flows`, or of even times of a cycle.
         """
         # Those of this answer are kept: lesions are asked for again, a stent elsewhere is not.
         self._drops = {pieces: self._drop(pieces) for pieces in parts}
-        every = np.hstack([self._head, *map(self._drop, parts)])
+        every = np.hstack([self._head, *map(self._drop, parts)]).reshape(*self._shape, -1)
         if known.wave is None:
             return every
         cycle = slice(None if is_even else SAMPLES)
-        averaged = every[cycle].mean(axis=0)
+        averaged = every[:, cycle].mean(axis=1)
         # Of the flow to a side counts how much goes there in a cycle.
-        flow = self._into[cycle]
-        averaged[1:3] = (every[cycle, 1:3] * flow[:, None]).sum(axis=0) / flow.sum()
-        return np.stack([averaged, every[int(np.argmax(self._into))]])
+        flow = self._into[:, cycle, None]
+        averaged[:, 1:3] = (every[:, cycle, 1:3] * flow).sum(axis=1) / flow.sum(axis=1)
+        peak = int(np.argmax(self._into[0]))
+        return np.stack([averaged, every[:, peak]], axis=1)

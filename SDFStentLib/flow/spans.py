@@ -111,47 +111,57 @@ class Ways:
 
 def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
     """The drop over a part of a vessel at some flows (n,) through the blocks, m^3/s."""
-    blood, loss, turned = network.method.blood, network.method.loss, network.method.turned
-    total, static = 0.0, []
-    for block_number, start, end in pieces:
-        block, q = network.blocks[block_number], float(flow[block_number])
-        # What moves across is lost behind the first station.
-        lost_by = block.mixing + turned * block.turning * (block.friction > 0)
-        friction, mixing, jet = (
-            _between(values, start, end) for values in (block.friction, lost_by, block.jet)
+    return Drop(*drops_over(pieces, [network], flow[None])[0].tolist())
+
+
+def drops_over(pieces: Sequence[Piece], networks: Sequence[Network], flows: Floats) -> Floats:
+    """The fields of `Drop` (c, 2) in networks of one tree at flows (c, n) through their blocks."""
+    methods = [(*one.method.blood, one.method.loss, one.method.turned) for one in networks]
+    density, viscosity, loss, turned = np.array(methods).T[..., None]
+    total, static, left = np.zeros((len(networks), 1)), [], []
+    for number, start, end in pieces:
+        blocks, q = [one.blocks[number] for one in networks], flows[:, [number]]
+        friction, mixing, jet, area = (
+            np.stack([getattr(one, name) for one in blocks])
+            for name in ("friction", "mixing", "jet", "area")
         )
-        resisted = blood.viscosity * (friction - friction[0])
-        mixed = loss * blood.density * (mixing - mixing[0]) * abs(q)
+        # What moves across is lost behind the first station.
+        turning = np.array([[one.turning] for one in blocks]) * (friction > 0)
+        friction, mixing, jet, area = (
+            _between(values, start, end)
+            for values in (friction, mixing + turned * turning, jet, area)
+        )
+        resisted = viscosity * (friction - friction[:, :1])
+        mixed = loss * density * (mixing - mixing[:, :1]) * np.abs(q)
         lost = (resisted + mixed) * q
-        static.append(total + lost + blood.density / 2 * (q * jet) ** 2)
-        total += float(lost[-1])
-    below = np.concatenate(static)
-    left = [_left_in_jet(pieces[end], end, network, flow) for end in (0, -1)]
-    recovered = max(total + left[1] - left[0], min(total, 0.0))
-    return Drop(recovered, max(float((below - below[0]).max()), recovered))
+        static.append(total + lost + density / 2 * (q * jet) ** 2)
+        total = total + lost[:, -1:]
+        left.append(_left_in_jets(jet[:, [0, -1]], area[:, [0, -1]], q, density, loss))
+    below = np.hstack(static)
+    at_ends = left[-1][:, 1:] - left[0][:, :1]
+    recovered = np.maximum(total + at_ends, np.minimum(total, 0.0))
+    lowest = (below - below[:, :1]).max(axis=1, keepdims=True)
+    return np.hstack([recovered, np.maximum(lowest, recovered)])
 
 
 def _between(values: Floats, start: float, end: float) -> Floats:
-    """Values at a start, at the stations between it and an end, and there."""
-    inner = values[int(start) + 1 : math.ceil(end)]
-    return np.concatenate([[_at(values, start)], inner, [_at(values, end)]])
+    """Values (c, n) at a start, at the stations between it and an end, and there."""
+    inner = values[:, int(start) + 1 : math.ceil(end)]
+    return np.column_stack([_at(values, start), inner, _at(values, end)])
 
 
-def _at(values: Floats, station: float) -> float:
-    number = min(int(station), len(values) - 2)
+def _at(values: Floats, station: float) -> Floats:
+    number = min(int(station), values.shape[1] - 2)
     share = station - number
-    return float((1 - share) * values[number] + share * values[number + 1])
+    return np.asarray((1 - share) * values[:, number] + share * values[:, number + 1])
 
 
-def _left_in_jet(piece: Piece, end: int, network: Network, flow: Floats) -> float:
-    """What a jet at one end of a part will lose where the vessel goes on as wide, Pa.
+def _left_in_jets(jet: Floats, area: Floats, flow: Floats, density: Floats, loss: Floats) -> Floats:
+    """What jets at two stations will lose where the vessel goes on as wide (c, 2), Pa.
 
     Less what the dead water round it spares of the friction there.
     """
-    block, station = network.blocks[piece.block], piece[1 if end == 0 else 2]
-    jet, area = (_at(values, station) for values in (block.jet, block.area))
-    q, (blood, loss) = float(flow[piece.block]), network.method[:2]
-    settled = min(math.sqrt(2) / area, jet)
+    settled = np.minimum(math.sqrt(2) / area, jet)
     # Poiseuille's friction over the length in which a profile settles.
-    spared = 8 * blood.density / SETTLES * (abs(q) / area) * (q / area) * math.log(jet / settled)
-    return loss * blood.density / 2 * (q * (jet - settled)) ** 2 - spared
+    spared = 8 * density / SETTLES * (np.abs(flow) / area) * (flow / area) * np.log(jet / settled)
+    return np.asarray(loss * density / 2 * (flow * (jet - settled)) ** 2 - spared)
