@@ -275,6 +275,7 @@ def showChart(parameterNode, x, series, dashed, top):
         chart.SetYAxisTitle(_("Diameter (mm)"))
         for column, color in series.items():
             node = _addOutput(parameterNode, "vtkMRMLPlotSeriesNode", column)
+            node.SetName(column)  # as it stands in the legend, also of the second plan
             node.SetPlotType(slicer.vtkMRMLPlotSeriesNode.PlotTypeScatter)
             node.SetMarkerStyle(slicer.vtkMRMLPlotSeriesNode.MarkerStyleNone)
             node.SetColor(*color)

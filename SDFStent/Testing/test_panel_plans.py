@@ -119,6 +119,8 @@ def test_switching_puts_stents_and_results_back(host, aPlan):
 
 
 def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
+    from SDFStentSlicer.Results import SERIES
+
     ui, first = aPlan.ui, aPlan._parameterNode
     deploy(host, aPlan)
     host.click(ui.duplicatePlanButton)
@@ -131,6 +133,8 @@ def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
         ui.planTable.selectRow(row)
         assert selection.GetActivePlotChartID() == plan.outputChart.GetID()
         assert selection.GetActiveTableID() == plan.outputTable.GetID()
+        lines = (plan.outputChart.GetNthPlotSeriesNode(index) for index in range(3))
+        assert [line.GetName() for line in lines] == list(SERIES)  # as in the legend
 
 
 def test_the_plot_of_a_plan_that_is_not_shown_is_weak(host, aPlan):
