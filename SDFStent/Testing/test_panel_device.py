@@ -138,6 +138,10 @@ def test_a_balloon_leaves_the_lumen_by_its_recoil(host, theSection):
         "Balloon 8 mm, lumen 7.44 mm after recoil of 7 % (the mean in great vessels "
         f"(7 \N{PLUS-MINUS SIGN} 4 %)), reference {reference:.2f} mm."
     )
+    ui.diameterSlider.value = 9.0
+    measured(host, theSection)
+    assert ui.deviceLabel.text.startswith("Balloon 9.68 mm, lumen 9.00 mm")
+    ui.balloonSlider.value = 8.0
     ui.recoilRuleCheckBox.checked = False
     ui.recoilSpinBox.value = 12.0
     (stent,) = planned(theSection)

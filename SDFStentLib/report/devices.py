@@ -100,7 +100,7 @@ def _sizes(stent: Stent, device: Device) -> str:
         for what, is_users in (("length", not is_offered), ("shortening", is_given))
     ]
     return (
-        f"{nominal:g} mm long as packed, {nominal * (1.0 - stent.foreshortening):.1f} mm at "
+        f"{round(nominal, 2):g} mm long as packed, {nominal * (1.0 - stent.foreshortening):.1f} mm at "
         f"{stent.diameter:.4g} mm of diameter ({', '.join(whose)}); "
     )
 

@@ -226,8 +226,8 @@ def balloon_sentences(stent: Stent, reference: float | None) -> list[str]:
         return []
     known = UNKNOWN if reference is None else f"{reference:.2f} mm"
     return [
-        f"Balloon {balloon.diameter:g} mm, lumen {stent.diameter:.2f} mm after recoil of "
-        f"{100 * balloon.recoil_fraction:g} % ({balloon.reason}), reference {known}."
+        f"Balloon {round(balloon.diameter, 2):g} mm, lumen {stent.diameter:.2f} mm after recoil of "
+        f"{round(100 * balloon.recoil_fraction, 1):g} % ({balloon.reason}), reference {known}."
     ]
 
 

@@ -179,12 +179,13 @@ def deployed_words(treated: TreatedStent) -> str:
     words = f"{name} {size} x {axis.deployed_length:.1f} mm"
     told = []
     if stent.balloon is not None:
-        told.append(f"balloon {stent.balloon.diameter:g} mm")
+        told.append(f"balloon {round(stent.balloon.diameter, 2):g} mm")
     reason = shortening_reason(stent)
     if reason is not None and stent.foreshortening:
         percent = 100 * stent.foreshortening
         change = f"{abs(percent):.3g} % {'shorter' if percent > 0 else 'longer'}"
-        told.append(f"{axis.nominal_length:g} mm as packed, {change} once expanded: {reason}")
+        packed = round(axis.nominal_length, 2)
+        told.append(f"{packed:g} mm as packed, {change} once expanded: {reason}")
         if axis.deployed_length < axis.prescribed_length - CUT:
             told.append(f"of {axis.prescribed_length:.1f} mm the rest lies beyond the centerline")
     return f"{words} ({'; '.join(told)})" if told else words
