@@ -138,7 +138,7 @@ class PanelState:
     def __init__(self, ui, logic, session, size):
         self.ui = ui
         self._logic, self._session, self._size = logic, session, size
-        self.atHand, self.steps, self._said = AtHand(), Steps(ui), ""
+        self.atHand, self.steps, self._told = AtHand(), Steps(ui), ("", "")
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
@@ -248,10 +248,11 @@ class PanelState:
         instead = _("seen before the stents") if isBefore else ""
         instead = _("changed since; not deployed yet") if isOld else instead
         self.atHand.show(parameterNode.atHand, instead)
-        if parameterNode.status != self._said:
-            # Who asked from a section far below sees it, too.
-            slicer.util.showStatusMessage(parameterNode.status.rpartition("\n")[2], SAID_MS)
-            self._said = parameterNode.status
+        told = standing.missing, parameterNode.status
+        for sentence, former in zip(told, self._told, strict=True):
+            if sentence != former:  # who asked from a section far below sees it, too
+                slicer.util.showStatusMessage(sentence.rpartition("\n")[2], SAID_MS)
+        self._told = told
         sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+import slicer
 from panel_helpers import deploy, saveAsFile, settle
 
 from SDFStentLib.validation import DeploymentError
@@ -79,6 +80,7 @@ def test_a_contradictory_flow_is_refused_in_a_sentence(host, aStent):
     assert ui.statusLabel.text.startswith(
         "Results: expected a peak flow of 6 L/min or more, got 3 L/min"
     )
+    assert slicer.util.shownMessages[-1] == ui.statusLabel.text  # Flow is far below that
     assert not ui.deployButton.enabled
     settle(host, aStent)
     ui.flowPeakSpinBox.value = 0.0
