@@ -99,8 +99,9 @@ def _sizes(stent: Stent, device: Device) -> str:
         f"{what} {'as given' if is_users else 'as its row has it'}"
         for what, is_users in (("length", not is_offered), ("shortening", is_given))
     ]
+    deployed = nominal * (1.0 - stent.foreshortening)
     return (
-        f"{round(nominal, 2):g} mm long as packed, {nominal * (1.0 - stent.foreshortening):.1f} mm at "
+        f"{round(nominal, 2):g} mm long as packed, {deployed:.1f} mm at "
         f"{stent.diameter:.4g} mm of diameter ({', '.join(whose)}); "
     )
 
