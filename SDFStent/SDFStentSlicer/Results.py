@@ -117,7 +117,7 @@ def showPreviewed(parameterNode, run, numbers, lesions):
         parameterNode.tiles = json.dumps(previewed_tiles(numbers))
         if run.state.stents:
             number = selectedStent(parameterNode, run)
-            lines = previewed_lines(run.state.stents[number], numbers[number])
+            lines = previewed_lines(run.state.stents[number], numbers[number], lesions)
             parameterNode.atHand = "\n".join(lines)
 
 

@@ -69,7 +69,12 @@ def test_the_view_tells_of_the_stent_while_it_is_dragged_and_when_it_is_measured
 
 def test_a_stent_beside_its_lesion_still_tells_of_it(host, aStent):
     host.processUntil(lambda: not aStent.lesions.isBusy)
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
     aStent._moveStent(20.0)
+    host.processUntil(lambda: corner()[0][-1] == "preview")
+    assert corner()[0][2] == "no lesion covered"
+    aStent.ui.autoUpdateCheckBox.checked = False
     deploy(host, aStent)
     (lesion,) = aStent.logic.lastRun(aStent._parameterNode).lesions
     assert lesion.stents == ()

@@ -17,11 +17,13 @@ from ..treatment import (
     branches_beside,
     residual_of,
 )
+from ..vessel import Lesion
 from .facts import ALL_ROUND, CONTACT
 from .flow import share_gained
 from .words import degree_word, number_text
 
 PREVIEW, MEASURING = "preview", "measuring..."
+UNCOVERED = "no lesion covered"
 CERTIFIED, NOT_CERTIFIED = "certified for meshing", "not certified"
 """What the last of the lines says."""
 
@@ -43,14 +45,21 @@ class Tile(NamedTuple):
     """Whether it has to be known before one relies on the others."""
 
 
-def previewed_lines(placed: PlacedStent, numbers: PreviewedNumbers) -> list[str]:
-    """Of a preview: size, about the narrowest lumen and the stenosis left, and that it is one."""
+def previewed_lines(
+    placed: PlacedStent, numbers: PreviewedNumbers, lesions: Sequence[Lesion]
+) -> list[str]:
+    """Of a preview: size, about the narrowest lumen and the stenosis left, and that it is one.
+
+    `lesions` are those of the vessel, as far as they are known.
+    """
     told, lesion = [_size(placed)], numbers.lesion
     if math.isfinite(numbers.lumen):
         before = "" if lesion is None else f"{lesion.minimum_diameter:.1f} -> "
         told.append(f"narrowest {before}about {numbers.lumen:.1f} mm")
     if lesion is not None:
         told.append(f"stenosis {degree_word(lesion.percent_diameter)} -> {_about(numbers.left)}")
+    elif lesions:
+        told.append(UNCOVERED)
     return [*told, PREVIEW]
 
 
@@ -118,7 +127,7 @@ def _left(
         points = np.array([one.after.point for one in lesions])
         beside = lesions[int(treated.axis.line.nearest(points).distances.argmin())]
         degree = degree_word(beside.after.percent_diameter)
-        return f"no lesion covered; lesion {beside.number}: {degree} left"
+        return f"{UNCOVERED}; lesion {beside.number}: {degree} left"
     return f"stenosis {degree_word(max(covered))} -> {degree_word(left.percent)}"
 
 
