@@ -43,10 +43,14 @@ class RoomyViews:
         """Show the plot, in these views where there is none: those of Slicer with a plot and in 3D are wider than a small screen."""
         node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
         if node is not None and not Showing.hasPlot(node):
-            self._former = None
             self._button.checked = True
-            self._follow()
         Showing.showPlot(self._parameterNode)
+
+    def onLayoutChanged(self, node):
+        """A layout that the user, or a scene, has chosen takes the place of these views; one of a scene that is closed is none."""
+        isOurs = node.GetViewArrangement() == LAYOUT or node.GetScene().IsClosing()
+        if self._former is not None and not isOurs:
+            self._button.checked = False
 
     def leave(self):
         """The module is left."""
@@ -58,18 +62,19 @@ class RoomyViews:
         if node is None:  # without a window
             return
         if self._parameterNode is None or not self._button.checked:
-            if self._former is not None:
-                if node.GetViewArrangement() == LAYOUT:
-                    node.SetViewArrangement(self._former)
+            former, self._former, self._chart = self._former, None, None
+            if former is not None:
                 node.SetSaveWithScene(True)
-            self._former = self._chart = None
+                if node.GetViewArrangement() == LAYOUT:
+                    node.SetViewArrangement(former)
             return
         if self._former is None:
-            self._former = node.GetViewArrangement()
+            former = node.GetViewArrangement()
             if not node.IsLayoutDescription(LAYOUT):
                 node.AddLayoutDescription(LAYOUT, DESCRIPTION)
             node.SetViewArrangement(LAYOUT)
             node.SetSaveWithScene(False)
+            self._former = former
         chart = self._parameterNode.outputChart
         if chart is not None and chart is not self._chart:
             self._chart = chart

@@ -77,6 +77,7 @@ class SceneEvents:
 
     def onLayoutChanged(self, caller=None, event=None):
         self._state.atHand.write()
+        self.views.onLayoutChanged(caller)
 
     def onSceneStartClose(self, caller=None, event=None):
         self.setParameterNode(None)

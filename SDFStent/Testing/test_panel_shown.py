@@ -51,10 +51,9 @@ def test_the_roomy_views_are_there_while_the_module_is_and_show_the_plot(host, a
     aStent.enter()
     assert layout.GetViewArrangement() == roomy
     layout.SetViewArrangement(layout.SlicerLayoutOneUp3DView)  # as the user likes
+    assert not ui.roomyViewsButton.checked  # so that one click brings them back
+    assert layout.GetSaveWithScene()
     aStent.exit()
-    assert layout.GetViewArrangement() == layout.SlicerLayoutOneUp3DView
-    aStent.enter()
-    ui.roomyViewsButton.checked = False
     assert layout.GetViewArrangement() == layout.SlicerLayoutOneUp3DView
 
 
