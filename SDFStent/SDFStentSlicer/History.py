@@ -28,18 +28,20 @@ class History:
         return self._inputsNow() != self._inputs
 
     def note(self):
-        """Keep the plan as it is now. One whose stents are not all placed is kept once they are; of another vessel nothing is."""
+        """Keep the plan as it is now; returns whether that could be. One whose stents are not all placed is kept once they are; of another
+        vessel nothing is."""
         if self.isOfAnother:
             self._inputs, self._steps, self._at = self._inputsNow(), [], -1
         try:
             step = self._stepNow()
         except InputError:
-            return
+            return False
         if self._at >= 0 and step[0] == self._steps[self._at][0]:
             self._steps[self._at] = step
         else:
             self._steps = [*self._steps[: self._at + 1], step][-MOST:]
             self._at = len(self._steps) - 1
+        return True
 
     def _stepNow(self):
         """The plan without its files, by which it is compared, and with them."""
@@ -56,7 +58,8 @@ class History:
 
     def go(self, steps):
         """Make the plan as it was so many steps before, or as it is behind."""
-        self.note()
+        if not self.note():
+            steps = max(steps, 0)  # back to what was kept last
         if self.mayGo(steps):
             self._at += steps
             Plans.restore(self._steps[self._at][1], self.parameterNode)

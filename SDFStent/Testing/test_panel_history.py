@@ -186,3 +186,15 @@ def test_zoom_goes_to_the_selected_stent(host, aStent, aScene):
     away = np.linalg.norm(np.subtract(camera.GetPosition(), camera.GetFocalPoint()))
     height = 2 * away * np.tan(np.radians(camera.GetViewAngle() / 2))
     assert height > 2 * np.linalg.norm(ends[1] - ends[0])
+
+
+def test_a_point_that_was_deleted_in_a_view_comes_back_where_it_was(host, aStent):
+    ui, handle = aStent.ui, aStent._parameterNode.stent.handle
+    for _time in range(2):
+        aStent._moveStent(2.0)
+        rest(host, aStent)
+    before = stateOf(aStent)
+    handle.RemoveNthControlPoint(0)
+    rest(host, aStent)
+    host.click(ui.undoButton)
+    assert isSame(stateOf(aStent), before)
