@@ -128,6 +128,9 @@ class Table(Widget):
     def clearSelection(self) -> None:
         self._select(-1)
 
+    def setFocus(self) -> None:
+        """Where keys go is the browser's."""
+
     def _select(self, row: int) -> None:
         if row == self._selected:
             return

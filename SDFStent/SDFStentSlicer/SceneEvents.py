@@ -8,14 +8,16 @@ from vtkmodules.vtkCommonCore import vtkCommand
 
 
 class InputWatch(VTKObservationMixin):
-    """Calls `onModified()` when one of the watched nodes changes, `onReleased(node)` when a dragged point is let go.
+    """Calls `onModified()` when one of the watched nodes changes, `onGrabbed(node)` and `onReleased(node)` when the mouse takes a point
+    and lets it go.
 
     Before that, and when it begins to watch it, `onMoved(node)` for markups; what that changes of them is a part of the change.
     """
 
-    def __init__(self, onModified, onReleased, onMoved):
+    def __init__(self, onModified, onGrabbed, onReleased, onMoved):
         VTKObservationMixin.__init__(self)
-        self._onModified, self._onReleased, self._onMoved = onModified, onReleased, onMoved
+        self._onModified, self._onGrabbed = onModified, onGrabbed
+        self._onReleased, self._onMoved = onReleased, onMoved
         self._nodes, self._isMoving = [], False
 
     def watch(self, nodes):
@@ -28,6 +30,7 @@ class InputWatch(VTKObservationMixin):
             for event in _eventsOf(node):
                 self.addObserver(node, event, self._modified)
             if node.IsA("vtkMRMLMarkupsNode"):
+                self.addObserver(node, node.PointStartInteractionEvent, self._grabbed)
                 self.addObserver(node, node.PointEndInteractionEvent, self._released)
                 self._onMoved(node)
 
@@ -41,6 +44,9 @@ class InputWatch(VTKObservationMixin):
             finally:
                 self._isMoving = False
         self._onModified()
+
+    def _grabbed(self, caller, event=None):
+        self._onGrabbed(caller)
 
     def _released(self, caller, event=None):
         self._onReleased(caller)

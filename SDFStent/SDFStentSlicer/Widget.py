@@ -39,7 +39,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
         self._parameterNode = self._binding = self._lastSet = self._leavings = None
         self._present, self._chosen = [], None
-        self._inputs = InputWatch(self.onInputModified, self.onHandleReleased, self.onHandleMoved)
+        self._inputs = InputWatch(
+            self.onInputModified, self.onHandleGrabbed, self.onHandleReleased, self.onHandleMoved
+        )
 
     # Life cycle
 
@@ -191,6 +193,13 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     def onHandleMoved(self, handle):
         if self._parameterNode is not None:
             self.logic.leadHandle(self._parameterNode, handle)
+
+    def onHandleGrabbed(self, handle):
+        """Edit the stent that the mouse takes; keys move it on, and remove it, not the point in the view."""
+        handles = [values["handle"] for values in self.stents.values()]
+        if handle in handles and handle is not handles[self._parameterNode.selected]:
+            self.stents.select(handles.index(handle))
+        self.ui.stentTable.setFocus()
 
     def onHandleReleased(self, handle):
         if self._parameterNode is not None:

@@ -180,6 +180,18 @@ def press(host, widget, key, isShifted=False):
     host.process()
 
 
+def test_the_stent_whose_handle_is_taken_is_edited_and_moved_by_keys(host, aStent, theView):
+    first = aStent._parameterNode.stent.handle
+    host.click(aStent.ui.addStentButton)
+    assert aStent._parameterNode.selected == 1
+    first.SetNthControlPointPositionWorld(0, *wayTo(treeOf(aStent), treeOf(aStent).leaves[0])[0])
+    aStent.ui.nameEdit.setFocus()
+    pixel = theView.pixel(np.array(first.GetNthControlPointPositionWorld(0)))
+    theView.drag([pixel, pixel + np.array([0.0, -5.0])])
+    assert aStent.ui.stentTable.currentRow() == aStent._parameterNode.selected == 0
+    assert aStent.ui.stentTable.hasFocus()
+
+
 def test_arrow_keys_in_the_table_move_the_stent_along_the_vessel(host, aStent):
     tree, table = treeOf(aStent), aStent.ui.stentTable
     for key, isShifted, way in (
