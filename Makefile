@@ -11,12 +11,13 @@ demo: $(VENV)/ready
 
 app: $(VENV)/ready-app
 
-# A process per core; more than four would hold each other up. A file stays in one process, which
-# has one thread of BLAS: those of several processes wait for each other.
+# A process per core and one more, for pages and children are waited for; more than four would hold
+# each other up. A file stays in one process, which has one thread of BLAS: those of several
+# processes wait for each other.
 # Bytecode is kept: every process that a test starts would compile the library anew.
 # What more cases of a sweep would say again, and what tests the bench, is left to `make bench`.
 test: $(VENV)/ready-test
-	@PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder -m "not bench"
+	@PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses $$($(BIN)/python -c 'import os; print(min(os.cpu_count() + 1, 4))') --dist loadfile --no-loadscope-reorder -m "not bench"
 
 # The same with every Python from 3.10 to 3.13 that is there.
 test-all:

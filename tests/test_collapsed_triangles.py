@@ -176,7 +176,6 @@ NARROW = ["--center", "2.533416986465454", "3.3830726146698", "-9.02489852905273
         ([], False),
         (["--tissue-gap", "0"], True),
         (["--capsule", "5", "--foreshortening", "0"], True),
-        (["--tissue-gap", "0", "--capsule", "5", "--foreshortening", "0"], True),
     ],
 )
 def test_a_lumen_that_is_noticeably_too_narrow_is_told_with_its_place(

@@ -201,41 +201,21 @@ def test_triangles_without_area_in_a_watertight_wall_pass_or_are_named():
     assert result.stents[0].after.minimum > 6.0 * 0.985
 
 
-def test_an_inconsistent_winding_changes_nothing_at_all():
-    tube = a_stenosis()
-    clean = treated(tube.points, tube.triangles, its_stent(tube))
-    flipped = tube.triangles.copy()
-    some = np.random.default_rng(3).random(len(flipped)) < 0.5
-    flipped[some] = flipped[some][:, ::-1]
-    result = treated(tube.points, flipped, its_stent(tube))
-    assert result.certificate.passed
-    np.testing.assert_array_equal(result.points, clean.points)
-
-
-def test_caps_with_points_of_their_own_stay_on_the_wall():
-    """Programs that compute normals split a surface along its sharp edges."""
-    tube = a_stenosis()
-    points, triangles, source = split(tube, tube.face_ids)
-    result = treated(points, triangles, its_stent(tube))
-    assert result.certificate.passed
-    assert seam_width(points, result.points) == 0.0
-    whole = treated(tube.points, tube.triangles, its_stent(tube))
-    np.testing.assert_array_equal(result.points, whole.points[source])
-
-
-@pytest.mark.parametrize("parts", ["halves", "every triangle"])
+@pytest.mark.parametrize("parts", ["caps", "halves", "every triangle"])
 def test_points_stored_twice_in_the_wall_stay_together(parts):
+    """Programs that compute normals split a surface along its sharp edges, as those of caps."""
     tube = a_stenosis()
-    count = len(tube.triangles)
     halves = tube.points[tube.triangles].mean(axis=1)[:, 0] > 0
-    points, triangles, source = split(tube, halves if parts == "halves" else np.arange(count))
+    labels = {"caps": tube.face_ids, "halves": halves, "every triangle": np.arange(len(halves))}
+    points, triangles, source = split(tube, labels[parts])
     result = treated(points, triangles, its_stent(tube))
+    assert result.certificate.passed or parts != "caps"
     # Torn open it would be useless, whatever the certificate of an open surface says.
     assert seam_width(points, result.points) == 0.0
     whole = treated(tube.points, tube.triangles, its_stent(tube))
     # Six points at every place count as a fine mesh, on which neighbors share which new contact is
     # nearest: 0.004 mm in the transition zone, far below the stated error of the steps.
-    atol = 1e-9 if parts == "halves" else 0.01
+    atol = {"caps": 0, "halves": 1e-9, "every triangle": 0.01}[parts]
     np.testing.assert_allclose(result.points, whole.points[source], rtol=0, atol=atol)
 
 
