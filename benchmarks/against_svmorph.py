@@ -54,11 +54,7 @@ def one_of_ours(case: Case, name: str, start: float) -> Callable[[], Deployment]
         # Of a new surface nothing is known, neither that it is sound nor its topology.
         surface = Surface(case.points, case.triangles) if is_first else case.surface
         deployment = Deployment(
-            surface,
-            settings.chain(case.axis),
-            case.radius,
-            settings,
-            companions=case.centerline,
+            surface, settings.chain(case.axis), case.radius, settings, companions=case.centerline
         )
         for _ in deployment:
             pass

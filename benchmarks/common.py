@@ -50,11 +50,7 @@ def anatomy_case(name: str, start: float, length: float, radius: float) -> Case:
     line = made.centerline
     path = line.path(line.points[line.roots[0]], line.points[line.leaves.min()])
     return Case(
-        name,
-        made.surface,
-        path.line.cut(start, start + length).points,
-        radius,
-        path.points,
+        name, made.surface, path.line.cut(start, start + length).points, radius, path.points
     )
 
 
@@ -170,9 +166,7 @@ def options(description: str, arguments: Sequence[str] | None = None) -> argpars
 
 
 def run_alone(
-    description: str,
-    measured: Callable[[bool, int | None], Found],
-    table: Callable[[Found], str],
+    description: str, measured: Callable[[bool, int | None], Found], table: Callable[[Found], str]
 ) -> None:
     """Main function of a benchmark: measure, print the tables, write the numbers."""
     chosen = options(description)

@@ -205,11 +205,7 @@ def deployed(
 ) -> tuple[Deployment, DeploymentResult]:
     where = vessel(stent.anatomy, folder)
     deployment = Deployment(
-        where.surface,
-        settings.chain(stent.axis),
-        stent.radius,
-        settings,
-        precision=where.precision,
+        where.surface, settings.chain(stent.axis), stent.radius, settings, precision=where.precision
     )
     return deployment, deployment.result
 
@@ -358,11 +354,7 @@ def rows(
         name = anatomies[number % len(anatomies)]
         stent = random_stent(name, seed, number, ratios, folder, hard=hard)
         yield judged(
-            number,
-            stent,
-            settings or DeploymentSettings(),
-            with_tetgen=with_tetgen,
-            folder=folder,
+            number, stent, settings or DeploymentSettings(), with_tetgen=with_tetgen, folder=folder
         )
 
 

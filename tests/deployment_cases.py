@@ -146,9 +146,4 @@ def straight(length=20.0):
     return np.array([[0.0, 0, 0], [0, 0, length]])
 
 
-AXES = {
-    "straight": straight(),
-    "bent": arc(),
-    "hairpin": hairpin(),
-    "helix": helix(),
-}
+AXES = {"straight": straight(), "bent": arc(), "hairpin": hairpin(), "helix": helix()}

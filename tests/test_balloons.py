@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_device_file import read as device_file
 from test_devices import ROW, a_device, a_table
+from test_lattice import read as device_file
 from trees import unbranched
 from tube_files import deploy
 

@@ -41,7 +41,7 @@ def assert_is_table(text):
 
 @pytest.mark.bench
 def test_in_a_tree_without_narrowings_none_is_invented():
-    """Trees with some are judged in `test_tree_bench.py` and `test_vascular_tree.py`."""
+    """Trees with some are judged in `test_tree_bench.py` and `test_phantoms.py`."""
     bench = benchmark("trees.bench")
     found = bench.summary([bench.of_number(bench.SEED, 24, bench.DATA_FOLDER)])
     assert_is_table(bench.table(found))

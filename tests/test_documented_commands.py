@@ -82,9 +82,7 @@ def variants(command: str) -> list[str]:
 def with_choice(command: str, number: int) -> str:
     """What is in brackets, of words to choose from that of this number, or the last one."""
     return re.sub(
-        r"\[([^]]*)\]",
-        lambda match: match[1].split("|")[min(number, match[1].count("|"))],
-        command,
+        r"\[([^]]*)\]", lambda match: match[1].split("|")[min(number, match[1].count("|"))], command
     )
 
 

@@ -173,11 +173,7 @@ def a_flow(time, flow):
     ("path", "value", "words"),
     [
         (("schema",), "other", "schema: expected 'sdfstent-plan', got 'other'"),
-        (
-            ("version",),
-            3,
-            "version: expected 2, got 3; use the version of sdfstent that wrote",
-        ),
+        (("version",), 3, "version: expected 2, got 3; use the version of sdfstent that wrote"),
         (("foo",), 1, "plan: unknown key 'foo'; expected schema, version, stents"),
         (("stents",), {}, "stents: expected a list, got an object"),
         (("stents",), [3], "stents[0]: expected an object with diameter"),

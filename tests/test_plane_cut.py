@@ -7,13 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from SDFStentLib.geometry import (
-    Surface,
-    cut_along,
-    face_areas,
-    flat_fill,
-    section_around,
-)
+from SDFStentLib.geometry import Surface, cut_along, face_areas, flat_fill, section_around
 from SDFStentLib.geometry.flat_fill import _ears
 from SDFStentLib.phantoms import bent_tube, straight_tube
 

@@ -112,10 +112,7 @@ def test_in_a_patients_vessel_the_waist_is_certified_and_where_it_was_narrowest(
     center = path.points[np.searchsorted(np.linspace(0, path.length, len(path.points)), start)]
     wide = 2.6 * float(tree.project(center).inscribed_radius)
     stent = Stent(
-        wide,
-        placement=AtCenter(center),
-        length=20.0,
-        shape=Shape(waist=Waist(0.85 * wide)),
+        wide, placement=AtCenter(center), length=20.0, shape=Shape(waist=Waist(0.85 * wide))
     )
     result = Treatment(vessel.surface, [stent], tree).result
     assert result.certificate.passed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from lesion_cases import bifurcation_case
-from test_stretches import parted
+from test_whole_lumens import parted
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cohort.placing import _Place

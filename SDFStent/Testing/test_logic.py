@@ -133,11 +133,7 @@ def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
     assert [
         chart.GetNthPlotSeriesNode(i).GetYColumnName()
         for i in range(chart.GetNumberOfPlotSeriesNodes())
-    ] == [
-        "Before (mm)",
-        "After (mm)",
-        "Prescribed (mm)",
-    ]
+    ] == ["Before (mm)", "After (mm)", "Prescribed (mm)"]
     assert "8.5 prescribed" in theParameters.lumenSummary
     assert "watertight" in theParameters.certificateSummary
 

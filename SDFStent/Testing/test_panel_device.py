@@ -58,11 +58,7 @@ def test_devices_are_those_of_the_library_and_of_the_user(theSection):
 
 
 @pytest.mark.parametrize(
-    ("device", "way"),
-    [
-        ("numed-cp", "the slider"),
-        ("palmaz-xl-10-series", "the box"),
-    ],
+    ("device", "way"), [("numed-cp", "the slider"), ("palmaz-xl-10-series", "the box")]
 )
 def test_a_shortening_that_is_not_known_has_to_be_said(host, theSection, device, way):
     ui = theSection.ui

@@ -195,11 +195,7 @@ def _bump(share: np.ndarray, flat: float) -> np.ndarray:
 
 
 def _is_even(
-    tree: Tree,
-    vessel: np.ndarray,
-    along: np.ndarray,
-    window: tuple[float, float],
-    slope: int = 1,
+    tree: Tree, vessel: np.ndarray, along: np.ndarray, window: tuple[float, float], slope: int = 1
 ) -> bool:
     """Whether a part of a vessel tapers evenly, or is of one caliber; its branches are small."""
     begin, end = window
