@@ -3,7 +3,7 @@
 import math
 import time
 
-from . import Clock, Portions
+from . import Clock, Portions, Showing
 from .Portions import SteppedRun
 
 COALESCE_MS = 0
@@ -36,7 +36,8 @@ class DeploySession:
         self._parameterNode = self._signature = None
         self._run = SteppedRun(onProgress, self._finished)
         self._live = self._isQuiet = False
-        self._timer = Clock.timer(self._update, COALESCE_MS)
+        self._timer = Clock.timer(self._updateInOneFrame, COALESCE_MS)
+        self._frame = Showing.HeldFrame()
         self._restTimer, self._restsFrom = Clock.timer(self._rested, REST_MS), 0.0
         self._settleTimer = Clock.timer(self._settle, SETTLE_MS)
 
@@ -76,9 +77,11 @@ class DeploySession:
         self._begin(live=False)
 
     def request(self):
-        """Deploy soon if something that matters has changed since the last deployment began."""
+        """Deploy soon if something that matters has changed since the last deployment began; what has changed is drawn with that."""
         if not self._timer.isActive():
             self._timer.start()
+        if not (self.isRunning and self._live):  # else it may be what that shows, to be seen now
+            self._frame.hold()
 
     def followFlow(self):
         """Tell the results for another flow, where that was set; after what is under way."""
@@ -97,6 +100,7 @@ class DeploySession:
     def _stop(self):
         for timer in (self._timer, self._restTimer, self._settleTimer):
             timer.stop()
+        self._frame.release()
         self._run.cancel()
 
     def _rest(self):
@@ -112,6 +116,10 @@ class DeploySession:
         if self._parameterNode is None or standing.missing:
             return False
         return standing.signature != self._signature
+
+    def _updateInOneFrame(self):
+        self._update()
+        self._frame.release()
 
     def _update(self):
         standing = self._parameterNode and self._standing()

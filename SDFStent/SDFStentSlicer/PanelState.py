@@ -10,7 +10,7 @@ from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
 from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
 from SDFStentLib.validation import one_line, printable
 
-from . import Conversion, Display, Flow, Outputs, Sizes, Tiles
+from . import Conversion, Display, Flow, Outputs, Showing, Sizes, Tiles
 from .PanelParts import cut
 from .ParameterNode import (
     METHOD_PARAMETERS,
@@ -101,7 +101,7 @@ class AtHand:
 
     def write(self):
         """Write the lines into the views that do not show them yet, as those of another layout."""
-        for view in _views():
+        for view, _node in Showing.threeDViews():
             corner = view.cornerAnnotation()
             font, color = corner.GetTextProperty(), COLORS[self.kind]
             shown = corner.GetText(vtkCornerAnnotation.UpperLeft) or ""
@@ -115,13 +115,6 @@ class AtHand:
             font.SetBackgroundColor(*BACKGROUND)
             font.SetBackgroundOpacity(1.0 if self.text else 0.0)
             view.scheduleRender()
-
-
-def _views():
-    """The 3D views of the application; none without a window."""
-    manager = slicer.app.layoutManager()
-    count = 0 if manager is None else manager.threeDViewCount
-    return [manager.threeDWidget(number).threeDView() for number in range(count)]
 
 
 METHOD_SLIDERS = {

@@ -24,6 +24,46 @@ def inOneFrame():
         views.ResumeRender()
 
 
+class HeldFrame:
+    """What changes while it is held is drawn once it is released."""
+
+    def __init__(self):
+        self._isHeld = False
+
+    def hold(self):
+        """From now on."""
+        if not self._isHeld:
+            slicer.app.applicationLogic().PauseRender()
+        self._isHeld = True
+
+    def release(self):
+        """Draw it, if it was held."""
+        if self._isHeld:
+            slicer.app.applicationLogic().ResumeRender()
+        self._isHeld = False
+
+
+def threeDViews():
+    """The 3D views of the application with their nodes; none without a window."""
+    manager = slicer.app.layoutManager()
+    count = 0 if manager is None else manager.threeDViewCount
+    widgets = (manager.threeDWidget(number) for number in range(count))
+    return [(widget.threeDView(), widget.mrmlViewNode()) for widget in widgets]
+
+
+def drawQuickly(isQuick):
+    """Draw walls that are seen through in any order while something moves, or as the views have it.
+
+    Depth peeling draws them up to four times: without a GPU a frame of 34,000 triangles takes 220 ms with it and 60 without.
+    """
+    for view, node in threeDViews():
+        renderer = view.renderWindow().GetRenderers().GetFirstRenderer()
+        if bool(renderer.GetUseOIT()) == isQuick:
+            renderer.SetUseOIT(not isQuick)
+            renderer.SetUseDepthPeeling(not isQuick and node.GetUseDepthPeeling())
+            view.scheduleRender()
+
+
 def inOneColor(vessel, centerline):
     """Show models without the colors of the arrays that they happen to have, and a vessel that can be seen through.
 

@@ -4,6 +4,7 @@ import threading
 import time
 
 import numpy as np
+import slicer
 from panel_helpers import settle
 
 
@@ -62,6 +63,46 @@ def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, m
     settle(host, aStent)
     assert len(shown) >= 10
     assert turns < 15
+
+
+def test_what_a_hand_moves_is_drawn_once_and_with_its_surface(host, aStent, monkeypatch):
+    from SDFStentSlicer.Previewing import Previewing
+
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    parameters, order, show = aStent._parameterNode, [], Previewing._show
+    tree, handle = aStent.logic.centerlineOf(parameters), parameters.stent.handle
+    way = iter(tree.points[tree.ancestry(tree.leaves[0])][40:])
+    monkeypatch.setattr(
+        Previewing, "_show", staticmethod(lambda *args: (order.append("surface"), show(*args)))
+    )
+    with host.drawing(0.05) as frames:
+        frames.onFrame = lambda: order.append("frame")
+        for _ in range(8):
+            for _event in range(2):  # the mouse goes on while the first one is handled
+                handle.SetNthControlPointPositionWorld(0, *next(way))
+                time.sleep(0.02)
+            host.process()
+    assert order.count("surface") > 4
+    assert order.count("frame") <= order.count("surface") + 1
+
+
+def test_no_view_peels_depths_while_a_hand_moves(host, aStent):
+    slicer.app.showMainWindow(True)
+    view = slicer.app.layoutManager().threeDWidget(0)
+    renderer = view.threeDView().renderWindow().GetRenderers().GetFirstRenderer()
+    renderer.SetUseDepthPeeling(view.mrmlViewNode().GetUseDepthPeeling())
+    before, modified = renderer.GetUseDepthPeeling(), view.mrmlViewNode().GetMTime()
+    assert before
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    aStent.ui.diameterSlider.value = 9.0
+    host.processUntil(lambda: aStent.session.isRunning)
+    assert not renderer.GetUseDepthPeeling()
+    settle(host, aStent)
+    slicer.app.showMainWindow(False)
+    assert renderer.GetUseDepthPeeling() == before
+    assert view.mrmlViewNode().GetMTime() == modified  # the user's
 
 
 def test_no_frame_is_drawn_of_half_a_stent(host, aStent, monkeypatch):

@@ -9,6 +9,7 @@ from pathlib import Path
 import slicer
 from PySide6 import QtWidgets
 from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
 from SDFStentApp import python_layer
 
@@ -105,7 +106,8 @@ class LayoutManager:
     """What the layout manager does to the 3D views."""
 
     def __init__(self, application):
-        self._application, self._widgets = application, [_threeDWidget()]
+        self._application, view = application, application.view
+        self._widgets = [_threeDWidget(view.node, view.window)]
         view = self._widgets[0].threeDView()
         application.view.renderer.AddViewProp(view.cornerAnnotation())
 
@@ -117,17 +119,25 @@ class LayoutManager:
 
     def threeDWidget(self, number):
         while len(self._widgets) <= number:
-            self._widgets.append(_threeDWidget())
+            self._widgets.append(_threeDWidget(self._application.view.node, _emptyWindow()))
         return self._widgets[number]
 
     def resetThreeDViews(self):
         self._application.view.renderer.ResetCamera()
 
 
-def _threeDWidget():
+def _threeDWidget(node, window):
     corner = vtkCornerAnnotation()
-    view = types.SimpleNamespace(cornerAnnotation=lambda: corner, scheduleRender=lambda: None)
-    return types.SimpleNamespace(threeDView=lambda: view)
+    view = types.SimpleNamespace(
+        cornerAnnotation=lambda: corner, scheduleRender=lambda: None, renderWindow=lambda: window
+    )
+    return types.SimpleNamespace(threeDView=lambda: view, mrmlViewNode=lambda: node)
+
+
+def _emptyWindow():
+    window = vtkRenderWindow()
+    window.AddRenderer(vtkRenderer())
+    return window
 
 
 class SampleDataLogic:
