@@ -144,14 +144,6 @@ def test_a_treated_vessel_that_is_another_one_is_a_sentence(a_folder, capsys, fa
     assert not Path("seg").exists()
 
 
-def test_files_of_others_are_not_replaced(a_folder, capsys):
-    Path("seg").mkdir()
-    Path("seg/thesis.txt").write_text("mine", encoding="utf-8")
-    assert extract() == 2
-    assert "got one that holds thesis.txt" in capsys.readouterr().err
-    assert Path("seg/thesis.txt").read_text(encoding="utf-8") == "mine"
-
-
 def meshed(surface):
     tetgen = pytest.importorskip("tetgen")
     mesher = tetgen.TetGen(surface.points, surface.triangles.astype(np.int32))

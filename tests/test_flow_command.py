@@ -178,12 +178,6 @@ def test_deploy_keeps_a_flow_in_its_plan(a_folder, capsys):
     assert load_plan("again.json").flow == kept
 
 
-def test_an_exported_network_needs_a_plan_with_a_flow(flow, capsys):
-    assert main(["run", flow.plan, "-o", "out", "--export-0d", "nets"]) == 2
-    assert "expected a plan with a flow for --export-0d" in capsys.readouterr().err
-    assert not list(Path().iterdir())
-
-
 def beside(x):
     """A plan in cm whose stent has its middle beside the line of the tube."""
     place = {"placement": {"center": [x, 0, 2]}, "length": 20, "diameter": 6}

@@ -52,9 +52,8 @@ def test_lesions_in_series_in_a_tapering_vessel_are_all_found_and_none_more(seed
 
 
 @pytest.mark.parametrize("where", [None, "trunk", "ostium", "branch"])
-@pytest.mark.parametrize("seed", [22])
-def test_lesions_at_a_bifurcation_are_found_and_a_narrower_branch_is_none(where, seed):
-    assert_as_built(bifurcation_case(seed, where, fineness=0.4))
+def test_lesions_at_a_bifurcation_are_found_and_a_narrower_branch_is_none(where):
+    assert_as_built(bifurcation_case(22, where, fineness=0.4))
 
 
 def test_a_vessel_that_tapers_in_steps_has_no_lesion():

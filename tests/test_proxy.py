@@ -84,11 +84,10 @@ ANATOMIES = (
 
 
 @pytest.mark.parametrize("name", ANATOMIES)
-@pytest.mark.parametrize("ratios", [(1.05, 1.6)])
-def test_the_preview_is_near_the_full_one_in_anatomies(sweep, data_dir, name, ratios):
+def test_the_preview_is_near_the_full_one_in_anatomies(sweep, data_dir, name):
     vessel = sweep.vessel(name, data_dir)
     for number in range(4):
-        stent = sweep.random_stent(name, 12, number, ratios, data_dir)
+        stent = sweep.random_stent(name, 12, number, (1.05, 1.6), data_dir)
         found = Found(vessel.surface, stent.axis, stent.radius, vessel.centerline.points)
         spacing = max(found.seen.spacing, 0.25)  # of a proxy of all vertices only steps are longer
         assert found.largest <= FARTHEST * spacing

@@ -74,6 +74,8 @@ def bad_files(folder):
     (folder / "short.vtp").write_bytes((folder / "tube.vtp").read_bytes()[:900])
     (folder / "noise.stl").write_bytes(bytes(range(256)) * 20)
     (folder / "folder").mkdir()
+    (folder / "others").mkdir()
+    (folder / "others" / "thesis.txt").touch()
     vessel = stenosed_tube(edge_length=1.0)
     broken = polydata_from_arrays(vessel.points / 10, vessel.triangles)
     vtk_to_numpy(broken.GetPoints().GetData())[7] = np.nan
@@ -217,6 +219,10 @@ REFUSED = {
     deploy(place="--at-lesion 1 --length 9", line=""): "expected --centerline FILE with",
     deploy("--at-lesion 1"): "expected one place, got --center and --at-lesion",
     deploy(place="--at-lesion 1 --length 9", surface="healthy.vtp"): "in which none of 15 %",
+    deploy("--reference 2 0 1"): "reference: expected a place inside of the vessel",
+    deploy(
+        "--reference 2 0 1", line="", place="--axis axis.vtp"
+    ): "FILE with --reference, got none",
     f"{SUGGEST} --lesion 2": "--lesion: expected 1, as the vessel has one lesion, got 2; see",
     f"{SUGGEST} --lesion 0": "--lesion: expected 1, as the vessel has one lesion, got 0; see",
     f"{SUGGEST} --ratio 5": "ratio to the adjacent vessel: expected a number at least 0.2 and at",
@@ -229,12 +235,16 @@ REFUSED = {
     # Other commands.
     MEASURE: "expected --axis FILE or --centerline FILE",
     f"{MEASURE} {CENTERLINE} --length 5": "expected a place with --length",
+    f"{MEASURE} --axis axis.vtp --csv no.csv": "expected --centerline FILE with --csv, got none",
+    f"{MEASURE} --axis axis.vtp --reference 0 0 1": "FILE with --reference, got none",
+    f"measure healthy.vtp {CENTERLINE} --reference 0 0 1": "expected a vessel with a lesion to mea",
     f"{MEASURE} --axis axis.vtp --spacing 0": "--spacing: expected a number greater than 0",
     f"{MEASURE} {CENTERLINE} --tables --spacing 1e-9": "at least 0.002 (mm) on a line of 40 mm",
     f"{MEASURE} {CENTERLINE} --csv tube.vtp": "expected another file than the input",
     "run none.json -o new": "none.json: no such file",
     "run tube.vtp -o new": "tube.vtp: expected a",
     "run thin.json -o tube.vtp": "tube.vtp: expected a folder, got a file",
+    "run thin.json -o new --export-0d nets": "expected a plan with a flow for --export-0d",
     "run thin.json -o a/b": "a/b: expected an existing folder",
     "measure x --axis y --root 0 0 1": "expected --centerline FILE with --root",
     "compare thin.json -o out": "expected two or more plans to compare, got 1",
@@ -246,6 +256,7 @@ REFUSED = {
     f"{EXTRACT} --from 2 0 1 --to 0 0 3": "got one 20.0 mm from its",
     f"{EXTRACT} --from nan 0 1 --to 0 0 3": "--from: expected three finite",
     f"{EXTRACT} --from 0 0 1 --to 0 0 3 --after none.vtp": "none.vtp: no such file",
+    f"{EXTRACT} --from 0 0 1 --to 0 0 3 -o others": "got one that holds thesis.txt",
     f"{EXTRACT} --from 0 0 1 --to 0 0 3 -o tube.vtp": "expected a folder, got a file",
     "app no.vtp": "no.vtp: expected a file, got none",
     "app --folder nowhere": "nowhere: expected a folder, got none",

@@ -124,10 +124,9 @@ def test_a_stent_that_is_placed_in_a_branch_leads_into_it(tree):
     assert by_end > 10
 
 
-@pytest.mark.parametrize("shares", [(0.3, 0.0)])
-def test_lines_that_part_early_lead_where_those_lead_that_part_where_the_vessels_do(shares):
+def test_lines_that_part_early_lead_where_those_lead_that_part_where_the_vessels_do():
     exact = bifurcation_case(22, None, fineness=0.4).centerline
-    early = parted(exact, shares, has_radius=True)
+    early = parted(exact, (0.3, 0.0), has_radius=True)
     fork = exact.arc_length[exact.junctions[0]]
     above = [lumen.start for lumen in early.lumens if lumen.start > 0]
     assert min(above) < 0.5 * fork

@@ -108,10 +108,9 @@ def parted(
     return Centerline.from_lines(np.concatenate(pieces), lines, radius if has_radius else None)
 
 
-@pytest.mark.parametrize("shares", [(0.15, -0.15)])
-def test_lines_that_part_far_above_the_division_part_where_the_lumens_do(divided, shares):
+def test_lines_that_part_far_above_the_division_part_where_the_lumens_do(divided):
     known = joined_lumens(branch_lumens(divided.surface, divided.centerline)).stretches
-    early = parted(divided.centerline, shares)
+    early = parted(divided.centerline, (0.15, -0.15))
     lumens = branch_lumens(divided.surface, early)
     trunk, *branches = joined_lumens(lumens).stretches
     assert len(known) == 3
