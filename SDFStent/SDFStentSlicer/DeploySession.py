@@ -104,9 +104,10 @@ class DeploySession:
         self._run.cancel()
 
     def _rest(self):
-        """Tell the logic when nothing more is coming."""
+        """Show all as well as it can be, when nothing more is coming."""
         if self._parameterNode is not None and not self.isBusy:
             self._logic.showOutline(self._parameterNode)
+            Showing.drawQuickly(False)
 
     def _standing(self):
         return self._logic.standing(self._parameterNode)
@@ -160,8 +161,10 @@ class DeploySession:
         mayGoOn = self._settleTimer.isActive
         wasQuiet, self._isQuiet = self._isQuiet, live or mayGoOn()
         self._signature, self._live = standing.signature, live
+        Showing.drawQuickly(True)
         self._run.start(
-            self._logic.steps(self._parameterNode, live=live, standing=standing, mayGoOn=mayGoOn)
+            self._logic.steps(self._parameterNode, live=live, standing=standing, mayGoOn=mayGoOn),
+            isSeen=live or not self._isQuiet,
         )
         if not (wasQuiet and self._isQuiet):  # else nothing else can be done than before
             self._onStart()

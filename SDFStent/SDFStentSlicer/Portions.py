@@ -40,7 +40,8 @@ _application = _Application()
 class SteppedRun:
     """Advances an iterator by a timer, for a limited time per tick, so that the application stays responsive.
 
-    Where frames take long to draw, as in software, a tick may take longer; nothing is drawn in the middle of it.
+    Where frames take long to draw, as in software, a tick may take longer; nothing is drawn in the middle of it. A tick of a run that
+    is seen, as it goes on, is long after one slow frame already; of another one only as long as what the application has just done.
 
     `onProgress(value)` gets the latest value once per tick; `onDone(error)` is called once per run: with None at the end, with
     the exception when one was raised. `cancel()` ends a run at once without calling `onDone`.
@@ -50,12 +51,13 @@ class SteppedRun:
 
     def __init__(self, onProgress, onDone):
         self._onProgress, self._onDone = onProgress, onDone
-        self._iterator, self._leftAt = None, 0.0
+        self._iterator, self._leftAt, self._isSeen = None, 0.0, False
         self._timer = Clock.timer(self._tick, 0, isRepeated=True)
 
-    def start(self, iterator):
+    def start(self, iterator, isSeen=False):
         """Begin a run; another one must not be under way."""
         self._iterator, self._leftAt = iterator, _application.clock()
+        self._isSeen = isSeen
         self._timer.start()
 
     def advance(self):
@@ -80,8 +82,9 @@ class SteppedRun:
         start, views = time.perf_counter(), slicer.app.applicationLogic()
         views.PauseRender()  # once a frame is due they draw in the middle of what is shown
         try:
-            away = _application.needed(_application.clock() - self._leftAt)
-            self._advance(start + Clock.turn(away))
+            away = _application.clock() - self._leftAt
+            needed = _application.needed(away)
+            self._advance(start + Clock.turn(needed if self._isSeen else away / 2))
         finally:
             _application.tookTurn(time.perf_counter() - start)
             self._leftAt = _application.clock()

@@ -58,16 +58,14 @@ class SurfaceOutput:
         self._polyData.Modified()
 
     def hideOutline(self):
-        """Take the outline out of the slice views, where it would be cut anew at every change, and draw quickly."""
-        Showing.drawQuickly(True)
+        """Take the outline out of the slice views, where it would be cut anew at every change."""
         display = self.node.GetDisplayNode()
         if display is not None and display.GetVisibility2D():
             self._hidesOutline = True
             display.SetVisibility2D(False)
 
     def showOutline(self):
-        """Bring the outline back, if it was taken away, and draw well."""
-        Showing.drawQuickly(False)
+        """Bring the outline back, if it was taken away."""
         display = self.node.GetDisplayNode()
         if self._hidesOutline and display is not None:
             display.SetVisibility2D(True)

@@ -4,6 +4,7 @@ import threading
 import time
 
 import numpy as np
+import pytest
 import slicer
 from panel_helpers import settle
 
@@ -85,6 +86,27 @@ def test_what_a_hand_moves_is_drawn_once_and_with_its_surface(host, aStent, monk
             host.process()
     assert order.count("surface") > 4
     assert order.count("frame") <= order.count("surface") + 1
+
+
+@pytest.mark.parametrize("isSeen", [False, True])
+def test_a_slow_frame_makes_only_those_turns_long_whose_work_is_seen(host, monkeypatch, isSeen):
+    from SDFStentSlicer import Clock, Portions
+
+    turns = []
+
+    def work():
+        for _ in range(200):
+            time.sleep(0.002)
+            turns[-1] += 0.002
+            yield 1.0
+
+    run = Portions.SteppedRun(lambda _value: turns.append(0.0), lambda _error: None)
+    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (0.01, 0.5))
+    Portions._application.needed(0.2)  # a frame just now
+    turns.append(0.0)
+    run.start(work(), isSeen=isSeen)
+    host.processUntil(lambda: not run.isRunning)
+    assert (max(turns) > 0.1) == isSeen
 
 
 def test_no_view_peels_depths_while_a_hand_moves(host, aStent):
