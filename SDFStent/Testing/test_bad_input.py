@@ -22,14 +22,6 @@ def changeStent(parameters, **values):
     stents.replace([{**stents.values()[0], **values}], 0)
 
 
-def noVessel(parameters, scene):
-    parameters.vessel = None
-
-
-def noCenterline(parameters, scene):
-    parameters.centerline = None
-
-
 def noStentOn(parameters, scene):
     changeStent(parameters, enabled=False)
 
@@ -117,8 +109,6 @@ def longerThanTwiceTheVessel(parameters, scene):
 
 
 CASES = {
-    noVessel: "Select a vessel",
-    noCenterline: "Select a centerline",
     noStentOn: "Add a stent, or switch one on",
     noHandle: "choose a handle",
     handleWithoutPoints: r"place 1 point\(s\)",
