@@ -253,8 +253,8 @@ def _mapColors(scene):
 
 def fillTable(parameterNode, columns):
     """The table of diameters: `columns` maps a title to (values, unit)."""
-    node = parameterNode.outputTable
-    if node is None:
+    node, isNew = parameterNode.outputTable, parameterNode.outputTable is None
+    if isNew:
         node = _addOutput(parameterNode, "vtkMRMLTableNode", _("Stent diameters"))
         parameterNode.outputTable = node
     with slicer.util.NodeModify(node):  # a plot that is shown must not see it without its columns
@@ -263,13 +263,25 @@ def fillTable(parameterNode, columns):
         )
         for title, (_values, unit) in columns.items():
             node.SetColumnUnitLabel(title, unit)
+    if isNew and _isFree(_selection().GetActiveTableID()):
+        Showing.activateTable(node)
     return node
+
+
+def _selection():
+    return slicer.app.applicationLogic().GetSelectionNode()
+
+
+def _isFree(shownID):
+    """Whether a new plot or table may take the place of a node in the views: none is there, or that of another plan."""
+    shown = slicer.mrmlScene.GetNodeByID(shownID or "")
+    return shown is None or resultsFolder(shown) != 0
 
 
 def showChart(parameterNode, x, series, dashed, top):
     """The plot chart over the table's column `x` from 0 to `top`: `series` maps a column to its color, one is dashed."""
-    chart = parameterNode.outputChart
-    if chart is None:
+    chart, isNew = parameterNode.outputChart, parameterNode.outputChart is None
+    if isNew:
         chart = _addOutput(parameterNode, "vtkMRMLPlotChartNode", _("Stent diameters chart"))
         chart.SetXAxisTitle(_("From the proximal end (mm)"))
         chart.SetYAxisTitle(_("Diameter (mm)"))
@@ -293,6 +305,8 @@ def showChart(parameterNode, x, series, dashed, top):
                 node.SetAndObserveTableNodeID(parameterNode.outputTable.GetID())
                 node.SetXColumnName(x)
                 node.SetYColumnName(column)
+    if isNew and _isFree(_selection().GetActivePlotChartID()):
+        Showing.activateChart(chart)
     return chart
 
 

@@ -31,11 +31,11 @@ class RoomyViews:
 
     def __init__(self, ui):
         self._button = ui.roomyViewsButton
-        self._former = self._parameterNode = self._chart = None
+        self._former = self._parameterNode = None
         self._button.connect("toggled(bool)", self._follow)
 
     def show(self, parameterNode):
-        """Of the parameter node that is shown now: a new plot appears where there is room for it."""
+        """Of the parameter node that is shown now."""
         self._parameterNode = parameterNode
         self._follow()
 
@@ -62,7 +62,7 @@ class RoomyViews:
         if node is None:  # without a window
             return
         if self._parameterNode is None or not self._button.checked:
-            former, self._former, self._chart = self._former, None, None
+            former, self._former = self._former, None
             if former is not None:
                 node.SetSaveWithScene(True)
                 if node.GetViewArrangement() == LAYOUT:
@@ -75,7 +75,5 @@ class RoomyViews:
             node.SetViewArrangement(LAYOUT)
             node.SetSaveWithScene(False)
             self._former = former
-        chart = self._parameterNode.outputChart
-        if chart is not None and chart is not self._chart:
-            self._chart = chart
-            Showing.showPlot(self._parameterNode)
+            if self._parameterNode.outputChart is not None:
+                Showing.showPlot(self._parameterNode)

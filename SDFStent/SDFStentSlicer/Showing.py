@@ -141,14 +141,14 @@ def showPlot(parameterNode):
     """Show the chart in a layout that has a plot, and the 3D view as before."""
     logic = slicer.modules.plots.logic()
     _change("Plot", logic.GetLayoutWithPlot, "SlicerLayoutConventionalPlotView")
-    _showChart(parameterNode.outputChart)
+    activateChart(parameterNode.outputChart)
 
 
 def showTable(parameterNode):
     """Show the table in a layout that has one, and the 3D view as before."""
     logic = slicer.modules.tables.logic()
     _change("Table", logic.GetLayoutWithTable, "SlicerLayoutFourUpTableView")
-    _showTable(parameterNode.outputTable)
+    activateTable(parameterNode.outputTable)
 
 
 def _change(kind, layoutFor, with3D):
@@ -175,13 +175,15 @@ def _has(node, layout, kind):
     return f'"vtkMRML{kind}ViewNode"' in node.GetLayoutDescription(layout)
 
 
-def _showChart(chart):
+def activateChart(chart):
+    """Show it in the views for plots, where there are any."""
     application = slicer.app.applicationLogic()
     application.GetSelectionNode().SetActivePlotChartID(chart.GetID())
     application.PropagatePlotChartSelection()
 
 
-def _showTable(table):
+def activateTable(table):
+    """Show it in the views for tables, where there are any."""
     application = slicer.app.applicationLogic()
     application.GetSelectionNode().SetActiveTableID(table.GetID())
     application.PropagateTableSelection()
@@ -192,6 +194,6 @@ def followPlan(left, shown):
     selection = slicer.app.applicationLogic().GetSelectionNode()
     table, chart = left.outputTable, left.outputChart
     if None not in (table, shown.outputTable) and selection.GetActiveTableID() == table.GetID():
-        _showTable(shown.outputTable)
+        activateTable(shown.outputTable)
     if None not in (chart, shown.outputChart) and selection.GetActivePlotChartID() == chart.GetID():
-        _showChart(shown.outputChart)
+        activateChart(shown.outputChart)

@@ -126,9 +126,11 @@ def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
     host.click(ui.duplicatePlanButton)
     deploy(host, aPlan)
     second = aPlan._parameterNode
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    assert selection.GetActivePlotChartID() == second.outputChart.GetID()  # whatever the layout
+    assert selection.GetActiveTableID() == second.outputTable.GetID()
     host.click(ui.showPlotButton)
     host.click(ui.showTableButton)
-    selection = slicer.app.applicationLogic().GetSelectionNode()
     for row, plan in ((0, first), (1, second)):
         ui.planTable.selectRow(row)
         assert selection.GetActivePlotChartID() == plan.outputChart.GetID()

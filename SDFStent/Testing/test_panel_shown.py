@@ -76,6 +76,14 @@ def test_the_plot_comes_in_the_roomy_views_where_there_is_none(host, aStent, aSc
     ui.roomyViewsButton.checked = False
 
 
+def test_a_plot_that_is_none_of_a_plan_stays_in_the_views(host, aStent, aScene):
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    chart = aScene.AddNewNodeByClass("vtkMRMLPlotChartNode", "Of the user's own")
+    selection.SetActivePlotChartID(chart.GetID())
+    deploy(host, aStent)
+    assert selection.GetActivePlotChartID() == chart.GetID()
+
+
 def test_no_scene_is_saved_with_the_roomy_views_and_they_come_back(host, aStent, aScene, tmp_path):
     layout, ui = aScene.GetFirstNodeByClass("vtkMRMLLayoutNode"), aStent.ui
     for number in range(2):
