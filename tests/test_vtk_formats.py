@@ -1,3 +1,5 @@
+"""What of VTK is read and written: long ids, damaged files, other cells and their arrays."""
+
 import textwrap
 
 import numpy as np
@@ -6,12 +8,22 @@ from child_processes import python
 from mesh_files import octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_ID_TYPE
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays
+from SDFStentLib.files import (
+    add_arrays,
+    encode_vtp,
+    polydata_from_arrays,
+    surface_from_polydata,
+    triangulated_polydata,
+)
 from SDFStentLib.files.content import read_content
 from SDFStentLib.files.formats.vtk_files import encode_legacy, read_vtk_polydata
+from SDFStentLib.files.polydata import polydata_from_polygons
+from SDFStentLib.files.surface_output import refresh_normals
+from SDFStentLib.geometry import face_areas, face_normals, vertex_normals
 from SDFStentLib.validation import InputError
 
 
@@ -140,3 +152,139 @@ def test_long_ids_come_back_from_a_legacy_file_in_their_role(tmp_path, role, nam
     assert vtk_to_numpy(found.GetArray(0)).tolist() == values.tolist()
     assert not role or getattr(found, f"Get{role}")() is not None
     assert cells.GetArray(0) is ids  # what is written is not changed
+
+
+# Polydata of VTK: arrays, triangles of any cells, and normals that follow the points.
+
+
+def test_arrays_that_do_not_fit_are_refused():
+    points, triangles = octahedron(rounds=0)
+    with pytest.raises(InputError, match="point array d: expected 6 rows"):
+        polydata_from_arrays(points, triangles, {"d": np.zeros(5)})
+    with pytest.raises(InputError, match="cell array d: expected 8 rows"):
+        polydata_from_arrays(points, triangles, None, {"d": 3.0})
+    with pytest.raises(InputError, match="expected numbers or text"):
+        polydata_from_arrays(points, triangles, {"d": np.zeros(6, complex)})
+
+
+def test_other_cells_and_damaged_cells_are_refused():
+    square = polydata_from_polygons(np.zeros((4, 3)), np.array([0, 4]), np.arange(4))
+    with pytest.raises(InputError, match="vein: expected nothing but triangles"):
+        surface_from_polydata(square, "vein")
+    with pytest.raises(InputError, match="expected at least one triangle"):
+        surface_from_polydata(vtkPolyData())
+    wild = polydata_from_polygons(np.zeros((3, 3)), np.array([0, 3]), np.array([0, 1, 7]))
+    with pytest.raises(InputError, match="expected point indices from 0 to 2"):
+        surface_from_polydata(wild)
+    torn = polydata_from_polygons(np.zeros((3, 3)), np.array([0, 3, 2, 3]), np.arange(3))
+    with pytest.raises(InputError, match="cells do not fit together"):
+        surface_from_polydata(torn)
+
+
+SQUARES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0], [9, 9, 9.0]])
+
+
+def test_polygons_are_cut_and_carry_their_arrays_and_ids():
+    polydata = polydata_from_polygons(
+        SQUARES, np.array([0, 4, 8, 11]), np.array([0, 1, 2, 3, 1, 4, 5, 2, 0, 1, 2])
+    )
+    add_arrays(polydata, None, {"face": np.array([7, 8, 9]), "name": np.array(["a", "b", "c"])})
+    ids = numpy_to_vtk(np.array([70, 80, 90]), deep=True)
+    ids.SetName("GlobalElementID")
+    polydata.GetCellData().SetGlobalIds(ids)
+    cut, warnings = triangulated_polydata(polydata, "vein.ply")
+    surface = surface_from_polydata(cut)
+    points, triangles = surface.points, surface.triangles
+    assert len(points) == 7  # the unused one stays
+    assert len(triangles) == 5
+    assert face_areas(points, triangles).sum() == pytest.approx(2.5, abs=1e-12)
+    data = cut.GetCellData()
+    assert vtk_to_numpy(data.GetArray("face")).tolist() == [7, 7, 8, 8, 9]
+    assert vtk_to_numpy(data.GetGlobalIds()).tolist() == [70, 70, 80, 80, 90]
+    strings = data.GetAbstractArray("name")
+    assert [strings.GetValue(i) for i in range(5)] == list("aabbc")
+    assert tuple(map(str, warnings)) == (
+        "vein.ply: 2 polygons or strips were cut into triangles, 5 triangles now.",
+    )
+
+
+def test_lines_and_vertices_go_and_strips_are_cut():
+    polydata = polydata_from_arrays(SQUARES, [[0, 1, 2]])
+    verts, lines, strips = vtkCellArray(), vtkCellArray(), vtkCellArray()
+    verts.InsertNextCell(1, [6])
+    lines.InsertNextCell(2, [0, 6])
+    strips.InsertNextCell(4, [0, 1, 3, 2])
+    polydata.SetVerts(verts)
+    polydata.SetLines(lines)
+    polydata.SetStrips(strips)
+    add_arrays(polydata, None, {"cell": np.array([10, 11, 12, 13])})
+    cut, warnings = triangulated_polydata(polydata)
+    surface = surface_from_polydata(cut)
+    points, triangles = surface.points, surface.triangles
+    assert face_normals(points, triangles).tolist() == [[0, 0, 1]] * 3  # a strip alternates
+    assert vtk_to_numpy(cut.GetCellData().GetArray("cell")).tolist() == [12, 13, 13]
+    assert len(warnings) == 2
+    assert "2 vertices and lines among the cells were dropped" in str(warnings[1])
+
+
+def test_concave_polygons_are_cut_inside():
+    arrow = np.array([[0, 0, 0], [2, 0, 0], [0.5, 0.5, 0], [0, 2, 0.0]])
+    star = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [2, 1, 0], [0, 4, 0.0]])
+    polydata = polydata_from_polygons(
+        np.concatenate([arrow, arrow, star]),
+        np.array([0, 4, 8, 13]),
+        np.array([0, 1, 2, 3, 5, 6, 7, 4, 8, 9, 10, 11, 12]),
+    )
+    surface = surface_from_polydata(triangulated_polydata(polydata)[0])
+    points, triangles = surface.points, surface.triangles
+    assert len(triangles) == 7
+    # Areas: of the arrow 1 (twice), of the square less its notch 16 - 6.
+    assert face_areas(points, triangles).sum() == pytest.approx(12, abs=1e-12)
+    assert (face_normals(points, triangles)[:, 2] == 1).all()
+
+
+def test_a_polygon_that_crosses_itself_still_gives_its_triangles():
+    bow = np.array([[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0], [0.5, 2, 0.0]])
+    polydata = polydata_from_polygons(bow, np.array([0, 5]), np.arange(5))
+    assert triangulated_polydata(polydata)[0].GetNumberOfPolys() == 3
+
+
+def squeezed(points):
+    """Points above z = 10 come down; the others stay, with their bits."""
+    moved = points.copy()
+    moved[moved[:, 2] > 10, 2] *= 0.7
+    return moved
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_normals_are_those_of_the_moved_surface_on_the_side_they_were(side):
+    points, triangles = octahedron()
+    new = squeezed(points)
+    polydata = polydata_from_arrays(
+        points,
+        triangles,
+        {"Normals_": side * vertex_normals(points, triangles).astype(np.float32)},
+        {"Normals": side * face_normals(points, triangles)},
+    )
+    refresh_normals(polydata, points, new, triangles)
+    of_points = vtk_to_numpy(polydata.GetPointData().GetArray("Normals_"))
+    of_cells = vtk_to_numpy(polydata.GetCellData().GetArray("Normals"))
+    assert of_points.dtype == np.float32
+    # Single precision of unit vectors; cell normals are doubles, so rounding of 1.
+    assert np.abs(of_points - side * vertex_normals(new, triangles)).max() < 1e-7
+    assert np.abs(of_cells - side * face_normals(new, triangles)).max() < 1e-15
+
+
+def test_active_normals_count_whatever_their_name_and_other_vectors_stay():
+    points, triangles = octahedron()
+    unit = vertex_normals(points, triangles)
+    polydata = polydata_from_arrays(points, triangles, {"velocity": unit, "Normals": 5 * unit})
+    active = numpy_to_vtk(unit, deep=True)
+    active.SetName("n")
+    polydata.GetPointData().SetNormals(active)
+    new = squeezed(points)
+    refresh_normals(polydata, points, new, triangles)
+    data = polydata.GetPointData()
+    assert np.array_equal(vtk_to_numpy(data.GetArray("velocity")), unit)
+    assert np.array_equal(vtk_to_numpy(data.GetArray("Normals")), 5 * unit)  # not of unit length
+    assert np.abs(vtk_to_numpy(data.GetArray("n")) - vertex_normals(new, triangles)).max() < 1e-14
