@@ -98,7 +98,7 @@ def refusal(parameterNode):
     if 0 < peak < mean:
         return _(
             "Results: expected a peak flow of {mean:g} L/min or more, got {peak:g} L/min; choose a larger one, or none."
-        ).format(mean=mean, peak=peak)
+        ).format(mean=round(mean, 2), peak=round(peak, 2))
     try:
         knownOf(parameterNode)
     except InputError as error:

@@ -70,7 +70,7 @@ def _isUsual(parameterNode):
 
 def _flowWords(parameterNode):
     mean = parameterNode.flowMean
-    return _("{mean:g} L/min").format(mean=mean) if mean > 0 else ""
+    return _("{mean:g} L/min").format(mean=round(mean, 2)) if mean > 0 else ""
 
 
 SAID_MS = 10_000

@@ -69,6 +69,8 @@ def test_a_closed_part_tells_what_is_set_in_it(host, aStent):
     assert ui.advancedCollapsibleButton.text == "Advanced: changed"
     ui.flowMeanSpinBox.value = 2.5
     assert ui.flowCollapsibleButton.text == "Flow: 2.5 L/min"
+    aStent._parameterNode.flowMean = 5.1082  # as of a wave
+    assert ui.flowCollapsibleButton.text == "Flow: 5.11 L/min"
     ui.centerlineSelector.setCurrentNode(None)
     assert not ui.inputsCollapsibleButton.collapsed
 
