@@ -15,7 +15,7 @@ from SDFStentLib.cautions import TEMPLATES
 
 LIBRARY = PROJECT / "SDFStentLib"
 FLOORS = (
-    ("validation", "parameter", "cautions", "units", "version"),
+    ("validation", "parameter", "cautions", "units", "version", "interpreter"),
     ("geometry",),
     ("field", "centerline", "certificate"),
     ("lumen", "stent", "files", "phantoms"),

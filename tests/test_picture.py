@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import stat
 import sys
 from functools import cache
@@ -17,7 +18,7 @@ from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import before_after_picture
 from SDFStentLib.report.picture import painting, picture
 from SDFStentLib.report.picture.drawing import Box, Disc, Drawing, Stroke, Words, svg
-from SDFStentLib.report.picture.painting import painted
+from SDFStentLib.report.picture.painting import check_rendering, painted
 from SDFStentLib.report.picture.picture import RED, before_after_scene
 from SDFStentLib.report.picture.shapes import WALL_COLOR, strut_curves
 from SDFStentLib.stent import AlongAxis, Stent
@@ -217,3 +218,16 @@ def test_a_renderer_that_dies_is_an_error_that_names_the_packages(
         monkeypatch.setattr(painting, "PATIENCE", 0.5)
     with pytest.raises(DeploymentError, match=message):
         painted(Drawing(8, 8, ()))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="stands in for Python by a shell script")
+def test_slicer_starts_no_slicer_to_paint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It embeds its Python, whose executable is the application itself, or nothing."""
+    script = f'PATH={os.environ["PATH"]} exec "{sys.executable}" "$@"'
+    Path(interpreter(tmp_path, script)).rename(tmp_path / "PythonSlicer")
+    monkeypatch.setattr(sys, "executable", "")
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(DeploymentError, match="PythonSlicer"):
+        check_rendering()
+    monkeypatch.setenv("PATH", str(tmp_path))
+    check_rendering()

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Surface, median_edge, norm
+from ..interpreter import interpreter
 from ..validation import DeploymentError, Floats, Indices, InputError, Points
 
 OLDEST_PYTHON = (3, 12)
@@ -94,7 +95,7 @@ def extract_lines(surface: Surface, inlet: int, outlets: Sequence[int]) -> Extra
             outlets=np.asarray(outlets, dtype=np.int64),
         )
         program = f"{__package__}.vmtk_process"
-        command = [sys.executable, "-m", program, str(question), str(answer)]
+        command = [interpreter(), "-m", program, str(question), str(answer)]
         run = subprocess.run(command, capture_output=True, check=False)
         if run.returncode or not answer.is_file():
             raise _failure(surface, inlet, f"VMTK ended with code {run.returncode}")

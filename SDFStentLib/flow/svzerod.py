@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import subprocess
-import sys
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..interpreter import interpreter
 from ..validation import DeploymentError, Floats
 from .answer import FlowAnswer
 from .known import Known
@@ -109,7 +109,7 @@ def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple
     question, answer, log = (folder / name for name in ("network.json", "answer.csv", "solver.log"))
     document = svzerod_document(network, outlets, known)
     question.write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
-    command = [sys.executable, "-c", _RUN, str(question), str(answer)]
+    command = [interpreter(), "-c", _RUN, str(question), str(answer)]
     with open(log, "wb") as said:
         try:
             done = subprocess.run(

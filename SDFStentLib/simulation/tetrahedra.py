@@ -7,7 +7,6 @@ by MMG, which keeps the surface, too. Neither makes layers along the wall.
 
 from __future__ import annotations
 
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,6 +16,7 @@ import numpy as np
 
 from ..files import VolumeMesh
 from ..geometry import edges, norm
+from ..interpreter import interpreter
 from ..validation import DeploymentError, Floats, Indices, InputError, Points
 from .mmg import INSTALL, MeditMesh, by_mmg, run_mesher
 from .remesh import GRADING, Remeshed
@@ -94,7 +94,7 @@ def _by_tetgen(points: Points, triangles: Indices) -> tuple[Points, Indices]:
     with TemporaryDirectory(prefix="sdfstent-mesh-") as folder:
         question, answer = Path(folder) / "surface.npz", Path(folder) / "volume.npz"
         np.savez(question, points=points, triangles=triangles.astype(np.int32))
-        command = [sys.executable, "-c", _FILL, str(question), str(answer), SWITCHES]
+        command = [interpreter(), "-c", _FILL, str(question), str(answer), SWITCHES]
         run_mesher("TetGen", command, answer)
         with np.load(answer) as data:
             return data["points"].astype(np.float64), data["tetrahedra"].astype(np.int64)

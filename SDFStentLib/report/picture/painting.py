@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pickle
 import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...interpreter import interpreter
 from ...validation import DeploymentError
 from .drawing import Drawing
 
@@ -38,7 +38,7 @@ def painted(drawing: Drawing, panels: Sequence[Panel] = ()) -> bytes:
     above = str(Path(__file__).resolve().parents[3])
     try:
         done = subprocess.run(
-            [sys.executable, "-c", PROGRAM, above],
+            [interpreter(), "-c", PROGRAM, above],
             input=pickle.dumps((drawing, tuple(panels))),
             capture_output=True,
             timeout=PATIENCE,
