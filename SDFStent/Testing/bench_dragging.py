@@ -238,6 +238,7 @@ def main():
     parser.add_argument("--frames", type=float, nargs="+", default=[], metavar="MS")
     arguments = parser.parse_args()
     host = Host.start()
+    host.sitsOutWaits = True
     host.loadModule(Path(__file__).parents[1] / "SDFStent.py")
     print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
     from SDFStentSlicer import Results

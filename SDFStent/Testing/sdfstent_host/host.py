@@ -78,7 +78,10 @@ class Host:
         )
         self.pythonErrors = []
         sys.excepthook = self._onException  # slots and VTK observers report here, not to the caller
-        self._panels, self._rulers, self._isDrawing = [], {}, False
+        self._panels, self._rulers = [], {}
+        self.sitsOutWaits = (
+            False  # whoever measures how long something takes wants them as they are
+        )
         logging.getLogger().addHandler(LogList(self.pythonErrors))
         self.application.errorLog.clear()  # what Slicer's own start-up says is not the module's
 
@@ -121,11 +124,11 @@ class Host:
         """Draw the 3D view as the application does, frames that cost so much; gives the `Frames`."""
         application = self.application
         frames = Frames(application.view.group, application.applicationLogic, seconds)
-        self._isDrawing = True
+        before, self.sitsOutWaits = self.sitsOutWaits, True
         try:
             yield frames
         finally:
-            self._isDrawing = False
+            self.sitsOutWaits = before
             frames.stop()
 
     def widths(self, panel):
@@ -183,7 +186,7 @@ class Host:
         while not condition():
             if time.perf_counter() > end:
                 raise TimeoutError(f"Still waiting after {seconds} s.")
-            if self._isDrawing or not passTime():
+            if self.sitsOutWaits or not passTime():
                 self._sleep()
 
     def _sleep(self, milliseconds=LOOK_MS):
