@@ -131,13 +131,10 @@ LOOKED_AT = ("test_cli", "test_compare", "test_panel_plans", "test_picture")
 """Files that look at pictures."""
 
 LONGEST = (
-    "test_app_page", "test_documented_commands", "test_app_server", "test_sweep_faults",
-    "test_cohort_documents", "test_cli", "test_panel_history", "test_panel_placing",
-    "test_extract_command", "test_compare", "test_unexpected_errors", "test_panel_device",
-    "test_lesions", "test_panel_segment", "test_scenes", "test_in_the_application",
-    "test_long_inputs", "test_stuck_spheres", "test_shapes", "test_cohorts",
-    "test_fast_measuring", "test_panel", "test_simulation", "test_segments", "test_flow_network",
-    "test_panel_shown", "test_release", "test_previews", "test_panel_suggest",
+    "test_app_page", "test_documented_commands", "test_sweep_faults", "test_app_server",
+    "test_cli", "test_simulation", "test_segments", "test_extract_command", "test_fast_measuring",
+    "test_panel_plans", "test_panel_looks", "test_stuck_spheres", "test_cohort_documents",
+    "test_lesions", "test_ostia", "test_release",
 )  # fmt: skip
 """Files that take longest go first, so that at the end no process waits for another."""
 
