@@ -37,7 +37,7 @@ class DeploySession:
         self._run = SteppedRun(onProgress, self._finished)
         self._live = self._isQuiet = False
         self._timer = Clock.timer(self._updateInOneFrame, COALESCE_MS)
-        self._frame = Showing.HeldFrame()
+        self._frame, self._drawing = Showing.HeldFrame(), Showing.QuickDrawing()
         self._restTimer, self._restsFrom = Clock.timer(self._rested, REST_MS), 0.0
         self._settleTimer = Clock.timer(self._settle, SETTLE_MS)
 
@@ -107,7 +107,7 @@ class DeploySession:
         """Show all as well as it can be, when nothing more is coming."""
         if self._parameterNode is not None and not self.isBusy:
             self._logic.showOutline(self._parameterNode)
-            Showing.drawQuickly(False)
+            self._drawing.end()
 
     def _standing(self):
         return self._logic.standing(self._parameterNode)
@@ -119,8 +119,10 @@ class DeploySession:
         return standing.signature != self._signature
 
     def _updateInOneFrame(self):
-        self._update()
-        self._frame.release()
+        try:
+            self._update()
+        finally:
+            self._frame.release()
 
     def _update(self):
         standing = self._parameterNode and self._standing()
@@ -161,7 +163,7 @@ class DeploySession:
         mayGoOn = self._settleTimer.isActive
         wasQuiet, self._isQuiet = self._isQuiet, live or mayGoOn()
         self._signature, self._live = standing.signature, live
-        Showing.drawQuickly(True)
+        self._drawing.begin()
         self._run.start(
             self._logic.steps(self._parameterNode, live=live, standing=standing, mayGoOn=mayGoOn),
             isSeen=live or not self._isQuiet,

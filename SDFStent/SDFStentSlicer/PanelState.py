@@ -101,7 +101,7 @@ class AtHand:
 
     def write(self):
         """Write the lines into the views that do not show them yet, as those of another layout."""
-        for view, _node in Showing.threeDViews():
+        for view in Showing.threeDViews():
             corner = view.cornerAnnotation()
             font, color = corner.GetTextProperty(), COLORS[self.kind]
             shown = corner.GetText(vtkCornerAnnotation.UpperLeft) or ""

@@ -111,11 +111,11 @@ def test_a_slow_frame_makes_only_those_turns_long_whose_work_is_seen(host, monke
 
 def test_no_view_peels_depths_while_a_hand_moves(host, aStent):
     slicer.app.showMainWindow(True)
-    view = slicer.app.layoutManager().threeDWidget(0)
-    renderer = view.threeDView().renderWindow().GetRenderers().GetFirstRenderer()
-    renderer.SetUseDepthPeeling(view.mrmlViewNode().GetUseDepthPeeling())
-    before, modified = renderer.GetUseDepthPeeling(), view.mrmlViewNode().GetMTime()
-    assert before
+    view, node = host.application.view, host.application.view.node
+    renderer, modified = view.renderer, node.GetMTime()
+    renderer.SetUseDepthPeeling(node.GetUseDepthPeeling())
+    before = renderer.GetUseDepthPeeling(), renderer.GetUseOIT()
+    assert before == (1, True)
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     aStent.ui.diameterSlider.value = 9.0
@@ -123,8 +123,8 @@ def test_no_view_peels_depths_while_a_hand_moves(host, aStent):
     assert not renderer.GetUseDepthPeeling()
     settle(host, aStent)
     slicer.app.showMainWindow(False)
-    assert renderer.GetUseDepthPeeling() == before
-    assert view.mrmlViewNode().GetMTime() == modified  # the user's
+    assert (renderer.GetUseDepthPeeling(), renderer.GetUseOIT()) == before
+    assert node.GetMTime() == modified  # the user's
 
 
 def test_no_frame_is_drawn_of_half_a_stent(host, aStent, monkeypatch):

@@ -107,7 +107,7 @@ class LayoutManager:
 
     def __init__(self, application):
         self._application, view = application, application.view
-        self._widgets = [_threeDWidget(view.node, view.window)]
+        self._widgets = [_threeDWidget(view.window)]
         view = self._widgets[0].threeDView()
         application.view.renderer.AddViewProp(view.cornerAnnotation())
 
@@ -119,19 +119,19 @@ class LayoutManager:
 
     def threeDWidget(self, number):
         while len(self._widgets) <= number:
-            self._widgets.append(_threeDWidget(self._application.view.node, _emptyWindow()))
+            self._widgets.append(_threeDWidget(_emptyWindow()))
         return self._widgets[number]
 
     def resetThreeDViews(self):
         self._application.view.renderer.ResetCamera()
 
 
-def _threeDWidget(node, window):
+def _threeDWidget(window):
     corner = vtkCornerAnnotation()
     view = types.SimpleNamespace(
         cornerAnnotation=lambda: corner, scheduleRender=lambda: None, renderWindow=lambda: window
     )
-    return types.SimpleNamespace(threeDView=lambda: view, mrmlViewNode=lambda: node)
+    return types.SimpleNamespace(threeDView=lambda: view)
 
 
 def _emptyWindow():
