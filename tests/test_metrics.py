@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 from plain_measuring import measured_around
+from seeds import seeds
 from test_vessel_ends import LENGTH, RADIUS, a_capped_duct, a_circle
 
 from SDFStentLib.geometry import Line, Surface
@@ -20,7 +21,8 @@ from SDFStentLib.lumen import (
     face_stretches,
     inscribed_spheres,
 )
-from SDFStentLib.phantoms import straight_tube
+from SDFStentLib.phantoms import stenosed_tube, straight_tube
+from SDFStentLib.plan import read_input_files
 from SDFStentLib.validation import InputError
 
 
@@ -259,3 +261,26 @@ def test_a_stent_that_ends_where_the_way_ends_but_for_rounding_has_stations(roun
     # Stations cut the corners of the line.
     assert stations.arc_length[-1] == pytest.approx(total - 5.0, abs=0.01)
     assert stations.own.stop == len(stations.points)
+
+
+@pytest.mark.parametrize("seed", seeds(1, 4))
+def test_a_throat_between_two_stations_is_as_narrow_as_it_is(seed):
+    random = np.random.default_rng([seed, 12])
+    for _ in range(3):
+        throat, length = random.uniform(0.8, 2.0), random.uniform(3.0, 6.0)
+        made = stenosed_tube(3.0, throat, 30, 0.2, stenosis_length=length)
+        first, last = 15 - random.uniform(4, 6), 15 + random.uniform(4, 6)
+        profile = diameter_profile(made.surface, made.axis_at(np.array([first, last])))
+        assert profile.minimum == pytest.approx(2 * throat, rel=0.01)
+        assert first + profile.minimum_arc_length == pytest.approx(15, abs=0.2)
+        left = profile.over(0, 13 - first)
+        assert left.minimum == left.inscribed_diameter.min()
+
+
+def test_a_profile_through_a_lesion_is_as_narrow_as_the_lesion(data_dir):
+    files = (data_dir / f"su0243_{kind}_mm.vtp" for kind in ("surface", "centerline"))
+    vessel = read_input_files(*map(str, files)).vessel
+    assert len(vessel.lesions) > 9
+    for lesion in vessel.lesions:
+        minimum = diameter_profile(vessel.surface, lesion.line).minimum
+        assert minimum == pytest.approx(lesion.minimum_diameter, rel=0.005)

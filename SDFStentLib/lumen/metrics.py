@@ -9,20 +9,20 @@ what the flow feels. They agree in a round tube; elsewhere the inscribed one is 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..cautions import Caution
 from ..geometry import Line, Surface, as_line, as_surface, frames, segment_count
-from ..validation import Flags, Floats, Indices, InputError, Points, read_only
+from ..validation import Flags, Floats, Indices, InputError, Points, Triangles, read_only
 from .closed_ends import open_at_ends, past_closed_ends
 from .cross_section import winding_numbers
 from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, section_radius
 from .openings import labels_round
 from .rounded_ends import past_rounded_ends
-from .spheres import LocalSurface, with_own_spheres
+from .spheres import LocalSurface, StationSearch, Until, with_own_spheres
 from .stations import Stations, measured_at
 from .wall_map import RAYS, near_wall, rays_from
 
@@ -81,6 +81,13 @@ _APART = 1.0
 _MOST = 20_000
 """Stations between those that are asked for, at most: a line of kilometers is in another unit."""
 
+_NEARLY, _FALLS, _THROATS = 1.05, 1.01, 3
+"""So many of the stations that are at most so many times as wide as the narrowest one, and beside
+which the lumen is so many times wider, are looked at more closely,"""
+
+_FINE = np.delete(np.linspace(-1, 1, 17), [0, 8, 16])
+"""at these parts of the way to the ones beside them."""
+
 _COLUMNS = ("arc_length", "centers", "inscribed_diameter", "equivalent_diameter", "is_cut")
 
 
@@ -101,17 +108,20 @@ class DiameterProfile:
     """(n,) mm."""
     is_cut: NDArray[np.bool_] = ()  # type: ignore[assignment]
     """(n,) whether the section opens into another vessel, and is cut at its ostium."""
+    throats: Floats = ()  # type: ignore[assignment]
+    """(k, 2) position and inscribed diameter between stations where that is smaller, mm."""
 
     def __post_init__(self) -> None:
         if not len(self.is_cut):
             object.__setattr__(self, "is_cut", np.zeros(len(self.arc_length), dtype=bool))
-        for name in _COLUMNS:
+        object.__setattr__(self, "throats", np.reshape(self.throats, (-1, 2)))
+        for name in (*_COLUMNS, "throats"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def minimum(self) -> float:
-        """Smallest inscribed diameter, mm; NaN when there is none."""
-        return _statistic(np.min, self.inscribed_diameter)
+        """Smallest inscribed diameter, also between stations, mm; NaN when there is none."""
+        return _statistic(np.min, np.append(self.inscribed_diameter, self.throats[:, 1]))
 
     @property
     def maximum(self) -> float:
@@ -131,10 +141,11 @@ class DiameterProfile:
     @property
     def minimum_arc_length(self) -> float:
         """Position of the smallest inscribed diameter, mm; the first of equals."""
-        known = np.flatnonzero(np.isfinite(self.inscribed_diameter))
-        if len(known) == 0:
+        at = np.append(self.arc_length, self.throats[:, 0])
+        diameters = np.append(self.inscribed_diameter, self.throats[:, 1])
+        if not np.isfinite(diameters).any():
             return float("nan")
-        return float(self.arc_length[known[np.argmin(self.inscribed_diameter[known])]])
+        return float(at[np.nanargmin(diameters)])
 
     @property
     def gaps(self) -> tuple[Caution, ...]:
@@ -167,8 +178,12 @@ class DiameterProfile:
         return self.taken(chosen)
 
     def taken(self, which: slice | Flags) -> DiameterProfile:
-        """Some of the stations."""
-        return DiameterProfile(*(getattr(self, name)[which] for name in _COLUMNS))
+        """Some of the stations, and what is between the first and the last of them."""
+        taken = DiameterProfile(*(getattr(self, name)[which] for name in _COLUMNS))
+        if len(taken.arc_length) == 0:
+            return taken
+        at, (first, last) = self.throats[:, 0], taken.arc_length[[0, -1]]
+        return replace(taken, throats=self.throats[(at >= first) & (at <= last)])
 
 
 def diameter_profile(
@@ -253,7 +268,47 @@ def profile_of(
     outside = outside[winding_numbers(stations[outside], points, triangles) < _WINDING_INSIDE]
     centers, inscribed = spheres.centers.copy(), 2 * spheres.radii
     centers[outside], inscribed[outside] = np.nan, np.nan
-    return DiameterProfile(arc_length, centers, inscribed, equivalent, is_cut)
+    lowest = [at for at in _lowest(inscribed, parts[-1]) if own.radii[at] == spheres.radii[at]]
+    throats = _throats((points, seen), measured, arc_length, inscribed, lowest)
+    return DiameterProfile(arc_length, centers, inscribed, equivalent, is_cut, throats)
+
+
+def _lowest(diameters: Floats, part: slice) -> list[int]:
+    """The narrowest stations of a part between which and the next ones a throat may lie."""
+    own, first = diameters[part], part.indices(len(diameters))[0]
+    beside = np.stack([own[:-2], own[2:]])
+    is_low = (own[1:-1] <= beside.min(axis=0)) & (own[1:-1] * _FALLS < beside.max(axis=0))
+    is_low &= own[1:-1] <= _NEARLY * np.nanmin(np.append(own, np.inf))
+    low = 1 + np.flatnonzero(is_low)
+    return (first + low[np.argsort(own[low], kind="stable")][:_THROATS]).tolist()
+
+
+def _throats(
+    surface: tuple[Points, Triangles],
+    measured: Stations,
+    arc_length: Floats,
+    diameters: Floats,
+    lowest: Sequence[int],
+) -> Floats:
+    """Where the lumen is narrower beside some of its stations than there, as `throats`."""
+    if not lowest:
+        return np.empty((0, 2))
+    at = np.concatenate([number + _FINE for number in lowest])
+    index = np.arange(len(arc_length))
+    places, ways = (
+        np.column_stack([np.interp(at, index, column) for column in columns.T])
+        for columns in (measured.points, measured.directions)
+    )
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    lines = np.split(np.arange(len(at)), len(lowest))
+    wall = LocalSurface(*surface, places)
+    found = StationSearch(wall, places, ways, Until()).exact()
+    found = with_own_spheres(wall, places, ways, found, lines)
+    narrowest = [line[np.argmin(found.radii[line])] for line in lines]
+    told = np.column_stack(
+        [np.interp(at[narrowest], index, arc_length), 2 * found.radii[narrowest]]
+    )
+    return told[told[:, 1] < diameters[lowest]]
 
 
 def _statistic(function: object, values: Floats) -> float:
