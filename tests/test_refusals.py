@@ -219,7 +219,7 @@ REFUSED = {
     deploy(place="--at-lesion 1 --length 9", line=""): "expected --centerline FILE with",
     deploy("--at-lesion 1"): "expected one place, got --center and --at-lesion",
     deploy(place="--at-lesion 1 --length 9", surface="healthy.vtp"): "in which none of 15 %",
-    deploy("--reference 2 0 1"): "reference: expected a place inside of the vessel",
+    deploy("--reference 2 0 1", place="--at-lesion 1 --length 9"): "expected a place inside of the",
     deploy(
         "--reference 2 0 1", line="", place="--axis axis.vtp"
     ): "FILE with --reference, got none",
