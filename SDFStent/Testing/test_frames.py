@@ -67,8 +67,11 @@ def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, m
 
 
 def test_what_a_hand_moves_is_drawn_once_and_with_its_surface(host, aStent, monkeypatch):
+    from SDFStentSlicer import Clock
     from SDFStentSlicer.Previewing import Previewing
 
+    # A preview that takes more than a turn has a frame of the handle alone.
+    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (0.5, 0.5))
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     parameters, order, show = aStent._parameterNode, [], Previewing._show
