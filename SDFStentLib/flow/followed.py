@@ -73,7 +73,8 @@ class FollowedChannels:
         their sections do. What no moved wall is near to stays as it was, to the bit; a channel of
         which nothing has changed is the same value.
         """
-        lines = [_carried(one, self._centerline, centerline) for one in self.channels]
+        moves = _moves(self._centerline, centerline)
+        lines = [_carried(one, moves) for one in self.channels]
         places, reach = (
             np.concatenate(column)
             for column in ([one.points for one in self.channels], self._reach)
@@ -182,17 +183,25 @@ def _filled(values: Floats) -> Floats:
     return np.interp(np.arange(len(values)), known, values[known]) if len(known) else values
 
 
-def _carried(channel: Channel, before: Centerline, after: Centerline) -> Points:
+def _moves(before: Centerline, after: Centerline) -> dict[int, tuple[Floats, Points]]:
+    """Of the branches that have moved arc lengths (k,) of their points, and how far these are."""
+    moved = (before.points != after.points).any(axis=1)
+    return {
+        number: (
+            Line(before.points[nodes]).arc_lengths,
+            after.points[nodes] - before.points[nodes],
+        )
+        for number, nodes in enumerate(before.branches)
+        if moved[nodes].any()
+    }
+
+
+def _carried(channel: Channel, moves: dict[int, tuple[Floats, Points]]) -> Points:
     """Where the stations (n, 3) of a channel are on the moved centerline."""
     places = channel.points
-    for number in np.unique(channel.branch):
-        nodes = before.branches[number]
-        line, moved = before.points[nodes], after.points[nodes]
-        if np.array_equal(line, moved):
-            continue
-        own = channel.branch == number
-        at = Line(line).arc_lengths
-        shift = [np.interp(channel.branch_along, at, column) for column in (moved - line).T]
+    for number in moves.keys() & channel.branch.tolist():
+        own, (at, shifts) = channel.branch == number, moves[number]
+        shift = [np.interp(channel.branch_along, at, column) for column in shifts.T]
         places = np.where(own[:, None], places + np.column_stack(shift), places)
     return places
 
