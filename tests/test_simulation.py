@@ -10,6 +10,7 @@ import json
 import math
 import os
 import shutil
+import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -28,7 +29,7 @@ from SDFStentLib.geometry import Surface, SurfaceIndex, signed_volume
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.simulation import Conditions, Outlet, prepare
 from SDFStentLib.simulation.ends import extended
-from SDFStentLib.simulation.mmg import MeditMesh
+from SDFStentLib.simulation.mmg import MeditMesh, _program
 from SDFStentLib.simulation.prepared import Filled, well_filled
 from SDFStentLib.simulation.remesh import TOLERANCE, Wishes, axis_of, edges_around, mended, remeshed
 from SDFStentLib.simulation.solver_file import solver_files, time_steps
@@ -495,6 +496,12 @@ def test_a_solver_that_dies_is_a_sentence_and_its_log_is_kept(
     assert "gave up" in Path("sim/before/solver.log").read_text(encoding="utf-8")
     assert not Path("out.json").exists()
     assert not Path("sim/after/solver.log").exists()
+
+
+def test_mmg_is_found_where_an_application_embeds_python(monkeypatch):
+    monkeypatch.setattr(sys, "executable", "")
+    monkeypatch.setenv("PATH", "")
+    assert Path(_program("mmgs")).is_file()
 
 
 def test_missing_meshers_are_named_before_anything_is_done(folder, monkeypatch, capsys):

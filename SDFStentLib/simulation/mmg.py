@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-import sys
+import sysconfig
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -95,8 +95,8 @@ def _failed(name: str, words: str) -> DeploymentError:
 
 
 def _program(name: str) -> str:
-    """Beside this Python, or where the shell looks."""
-    beside = str(Path(sys.executable).parent)
+    """Among the programs of this Python, or where the shell looks."""
+    beside = sysconfig.get_path("scripts")
     for full in (f"{name}_O3", name):
         found = shutil.which(full, path=beside) or shutil.which(full)
         if found:
