@@ -275,6 +275,8 @@ def test_a_throat_between_two_stations_is_as_narrow_as_it_is(seed):
         assert first + profile.minimum_arc_length == pytest.approx(15, abs=0.2)
         left = profile.over(0, 13 - first)
         assert left.minimum == left.inscribed_diameter.min()
+        beside = profile.taken(np.abs(first + profile.arc_length - 15) > 1)  # on both sides
+        assert beside.minimum == beside.inscribed_diameter.min()
 
 
 def test_a_profile_through_a_lesion_is_as_narrow_as_the_lesion(data_dir):

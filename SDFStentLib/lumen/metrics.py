@@ -178,12 +178,13 @@ class DiameterProfile:
         return self.taken(chosen)
 
     def taken(self, which: slice | Flags) -> DiameterProfile:
-        """Some of the stations, and what is between the first and the last of them."""
+        """Some of the stations, and what is between two of them that are neighbors."""
+        chosen = np.zeros(len(self.arc_length), dtype=bool)
+        chosen[which] = True
+        after = np.searchsorted(self.arc_length, self.throats[:, 0])
+        throats = self.throats[chosen[after - 1] & chosen[after]]
         taken = DiameterProfile(*(getattr(self, name)[which] for name in _COLUMNS))
-        if len(taken.arc_length) == 0:
-            return taken
-        at, (first, last) = self.throats[:, 0], taken.arc_length[[0, -1]]
-        return replace(taken, throats=self.throats[(at >= first) & (at <= last)])
+        return replace(taken, throats=throats)
 
 
 def diameter_profile(
@@ -222,7 +223,7 @@ def diameter_profile(
     wall = open_at_ends(surface, stations.points)
     measured = measured_at(surface, stations.points, stations.directions, wall.triangles)
     profile = profile_of(surface, stations.arc_lengths, measured, wall.caps)
-    return profile.taken(slice(None, None, between))
+    return replace(profile.taken(slice(None, None, between)), throats=profile.throats)
 
 
 def profile_of(
