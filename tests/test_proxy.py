@@ -15,7 +15,7 @@ from SDFStentLib.geometry import Line, Surface, dot, face_normals
 from SDFStentLib.lumen import diameter_profile, rough_radii
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
-from SDFStentLib.treatment import Preview, Treatment
+from SDFStentLib.treatment import Preview, TreatedStent, Treatment
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import find_lesions, lesions_after, lesions_within
 
@@ -139,6 +139,37 @@ def test_what_a_preview_leaves_of_a_lesion_is_near_the_measured_one(data_dir, na
         full = deploy(vessel.surface, settings.chain(axis), diameter / 2, settings).surface
         left = max(one.percent_diameter for one in lesions_after(there, full))
         assert told.left == pytest.approx(left, abs=5)
+
+
+@pytest.mark.parametrize("name", ["su0243", "tree_narrowed"])
+def test_a_preview_tells_how_many_branches_a_moved_stent_covers(data_dir, name):
+    files = (data_dir / f"{name}_{kind}_mm.vtp" for kind in ("surface", "centerline"))
+    vessel = read_input_files(*map(str, files)).vessel
+    preview, random = Preview(vessel.surface, vessel.centerline), np.random.default_rng(1)
+    lesion = max(vessel.lesions, key=lambda one: one.healthy.max())
+    diameter, middle = 0.9 * lesion.reference_diameter, lesion.line.length / 2
+
+    def planned(place: np.ndarray, length: float) -> list[Stent]:
+        return [Stent(diameter, placement=AtCenter(place), length=length)]
+
+    def treated(stents: list[Stent]) -> TreatedStent:
+        treatment = Treatment(vessel.surface, stents, vessel.centerline)
+        list(treatment)
+        return treatment.result.stents[0]
+
+    last = treated(planned(lesion.line.at([middle])[0], 20))
+    covered = [sum(not one.is_free for one in last.branches)]
+    for _ in range(3):
+        middle = last.way.before + last.way.stent_length / 2 + random.uniform(-8, 8)
+        stents = planned(last.way.line.at([middle])[0], random.uniform(14, 24))
+        (told,) = preview.of(stents).numbers(measured=[last])
+        covered.append(sum(not one.is_free for one in treated(stents).branches))
+        assert told.covered[0] == covered[0]
+        assert told.covered[1] == pytest.approx(covered[-1], abs=1)
+    assert len({*covered}) > 1
+    far = last.way.points[0 if last.way.before > last.way.after else -1]
+    (told,) = preview.of(planned(far, 12)).numbers(measured=[last])
+    assert told.covered is None  # so far away nobody has looked for branches
 
 
 def test_a_proxy_too_coarse_for_a_lumen_tells_nothing_of_it():

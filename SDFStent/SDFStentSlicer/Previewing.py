@@ -40,6 +40,7 @@ class Previewing:
                     Dependencies.places(parameterNode),
                 )
             )
+            run.follow(shown.run)
         except (InputError, DeploymentError):
             self._show(shown, surface, PreviewRun.withoutStents(vessel.surface), signature)
             with slicer.util.NodeModify(parameterNode):
@@ -110,7 +111,7 @@ class PreviewedVessel:
 class PreviewRun:
     """What a preview shows, in the words of `Stenting`; it has no steps to go back to."""
 
-    recorded = ()
+    recorded = measured = ()
     result = lesions = centerline = None
 
     def __init__(self, surface, state, places):
@@ -123,6 +124,11 @@ class PreviewRun:
         nothing = np.empty(0, dtype=np.int64)
         return cls(surface, PreviewState(nothing, np.empty((0, 3)), ()), ())
 
+    def follow(self, earlier):
+        """Keep what the last deployment in this vessel measured; it is of the `earlier` run, or was kept by that."""
+        if earlier is not None and earlier.surface is self.surface:
+            self.measured = earlier.measured
+
     @property
     def points(self):
         """All points of the vessel."""
@@ -132,7 +138,7 @@ class PreviewRun:
 
     def numbers(self, lesions):
         """Measure every stent and what is left of the lesions of the vessel; yields None until it is done, then returns a list."""
-        return (yield from inPortions(lambda: self.state.numbers(lesions)))
+        return (yield from inPortions(lambda: self.state.numbers(lesions, self.measured)))
 
     def tubes(self):
         """Every stent as a `DrawnStent`."""

@@ -79,6 +79,11 @@ class Stenting:
             stent = redilated(stent, earlier.stent, earlier.axis)
         return DrawnStent(stent, state.axis, stent.widest_diameter / 2)
 
+    @property
+    def measured(self):
+        """The library's stents with what was measured of them; none before `measure` has come to its end."""
+        return () if self.result is None else self.result.stents
+
     def label(self, number):
         """How a message names a stent of the plan."""
         return self._treatment.label(number)

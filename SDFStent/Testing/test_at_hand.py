@@ -82,6 +82,18 @@ def test_a_stent_beside_its_lesion_still_tells_of_it(host, aStent):
     assert told in corner()[0]
 
 
+def test_branches_are_told_where_a_dragged_stent_covers_others_than_before(host, aStent):
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    assert "branches: 1 covered" in corner()[0]
+    aStent._moveStent(6.0)
+    host.processUntil(lambda: corner()[0][-1] == "preview")
+    assert "branches: 1 -> about 0 covered" in corner()[0]
+    settle(host, aStent)
+    run = aStent.logic.lastRun(aStent._parameterNode)
+    assert all(one.is_free for one in run.result.stents[0].branches)
+
+
 def test_flow_has_a_line_of_its_own(host, aStent):
     aStent.ui.flowMeanSpinBox.value = 3.0
     deploy(host, aStent)

@@ -50,6 +50,8 @@ def previewed_lines(
 ) -> list[str]:
     """Of a preview: size, about the narrowest lumen and the stenosis left, and that it is one.
 
+    And how many branches are covered, where these are not as many as before.
+
     `lesions` are those of the vessel, as far as they are known.
     """
     told, lesion = [_size(placed)], numbers.lesion
@@ -60,6 +62,8 @@ def previewed_lines(
         told.append(f"stenosis {degree_word(lesion.percent_diameter)} -> {_about(numbers.left)}")
     elif lesions:
         told.append(UNCOVERED)
+    if numbers.covered is not None and numbers.covered[0] != numbers.covered[1]:
+        told.append("branches: {} -> about {} covered".format(*numbers.covered))
     return [*told, PREVIEW]
 
 

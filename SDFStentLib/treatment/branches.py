@@ -11,9 +11,10 @@ import numpy as np
 
 from ..geometry import Line
 from ..lumen import ExtendedAxis
-from ..vessel import NeighborLumen, Ostium
+from ..validation import Floats
+from ..vessel import LISTED, NeighborLumen, Ostium
 from .profile import Stage
-from .value import TreatedStent
+from .value import PlacedStent, TreatedStent
 
 _APART = 0.5
 """Another stent lies in the same vessel where their axes are nearer than so many radii of it."""
@@ -23,7 +24,7 @@ _SPACING = 0.1
 
 
 def covered_by_all(
-    branches: Iterable[Ostium], axis: ExtendedAxis, stents: Iterable[Stage]
+    branches: Iterable[Ostium], axis: ExtendedAxis, stents: Iterable[Stage | PlacedStent]
 ) -> tuple[Ostium, ...]:
     """The ostia beside one stent, with the share that some cover together, which may be one.
 
@@ -32,16 +33,34 @@ def covered_by_all(
     branches : iterable of Ostium
     axis : ExtendedAxis
         Of the stent beside which they are.
-    stents : iterable of Stage
+    stents : iterable of Stage or PlacedStent
         Those that cover, it or others.
     """
-    spans = []
-    for stent in stents:
-        near = axis.line.nearest(Line(stent.axis.points).resampled(_SPACING).points)
-        inside = near.arc_lengths[near.distances < _APART * stent.stent.radius] - axis.before
-        if len(inside):
-            spans.append((float(inside.min()), float(inside.max())))
+    along = [_along(axis, stent)[0] for stent in stents]
+    spans = [(float(some.min()), float(some.max())) for some in along if len(some)]
     return tuple(replace(one, covered_share=one.share_within(spans)) for one in branches)
+
+
+def _along(axis: ExtendedAxis, stent: Stage | PlacedStent) -> tuple[Floats, bool]:
+    """Where along an axis (n,) a stent lies in the same vessel, mm, and whether all of it does."""
+    near = axis.line.nearest(Line(stent.axis.points).resampled(_SPACING).points)
+    is_there = near.distances < _APART * stent.stent.radius
+    return near.arc_lengths[is_there] - axis.before, bool(is_there.all())
+
+
+def covered_where_moved(
+    treated: TreatedStent, moved: PlacedStent, stents: Iterable[PlacedStent]
+) -> int | None:
+    """How many of the branches beside a stent some stents cover, it having been moved.
+
+    None where branches may lie beside it that nobody has looked for.
+    """
+    along, is_known = _along(treated.way, moved)
+    reach = -LISTED, treated.axis.deployed_length + LISTED
+    if not is_known or along.min() < reach[0] or along.max() > reach[1]:
+        return None
+    found = covered_by_all(treated.branches, treated.way, stents)
+    return sum(not one.is_free for one in found)
 
 
 class BranchBeside(NamedTuple):

@@ -21,9 +21,10 @@ from ..lumen import VesselInside, rough_radii
 from ..stent import Stent
 from ..validation import Floats, Indices, Points, as_number, read_only
 from ..vessel import Lesion, lesions_within, tightest
+from .branches import covered_where_moved
 from .straightening import AxisChange, axis_in_vessel
 from .surroundings import PROFILE_SPACING
-from .value import PlacedStent, label_of, labeled, resolved, switched_on
+from .value import PlacedStent, TreatedStent, label_of, labeled, resolved, switched_on
 from .warnings import check_width
 
 NEAR = 6.0
@@ -43,6 +44,9 @@ class PreviewedNumbers(NamedTuple):
     left: float
     """The worst left in the vessels in which stents cover a lesion, percent by diameter; NaN where
     that is not known, negative where it is wider than the reference."""
+    covered: tuple[int, int] | None = None
+    """How many branches beside it stents covered when it was measured, and do now; None where that
+    is not known."""
 
 
 @dataclass(frozen=True)
@@ -92,8 +96,13 @@ class PreviewState:
     coordinates: Points
     stents: tuple[PreviewedStent, ...]
 
-    def numbers(self, lesions: Sequence[Lesion] = ()) -> tuple[PreviewedNumbers, ...]:
-        """About what each of the stents does, and what they leave of the vessel's lesions."""
+    def numbers(
+        self, lesions: Sequence[Lesion] = (), measured: Sequence[TreatedStent] = ()
+    ) -> tuple[PreviewedNumbers, ...]:
+        """About what each of the stents does, and what they leave of the vessel's lesions.
+
+        `measured` are stents of the last treatment of this vessel, from which they were moved.
+        """
         covered = [lesions_within(lesions, one.axis.line) for one in self.stents]
         treated = {lesion.vessel for some in covered for lesion in some}
         left = [self._left(lesion) for lesion in lesions if lesion.vessel in treated]
@@ -103,9 +112,22 @@ class PreviewState:
                 one.minimum_lumen(),
                 max(some, key=lambda lesion: lesion.percent_diameter, default=None),
                 worst,
+                self._covered(one, measured),
             )
             for one, some in zip(self.stents, covered, strict=True)
         )
+
+    def _covered(
+        self, placed: PreviewedStent, measured: Sequence[TreatedStent]
+    ) -> tuple[int, int] | None:
+        """Branches beside a stent that were covered, and that are."""
+        touching = [one for one in self.stents if len(one.state.state.indices)]
+        for treated in measured:
+            if treated.number == placed.number:
+                now = covered_where_moved(treated, placed, touching)
+                before = sum(not one.is_free for one in treated.branches)
+                return None if now is None else (before, now)
+        return None
 
     def _left(self, lesion: Lesion) -> float:
         """What is left of a lesion, wherever in it; far from the stents it is as it was."""

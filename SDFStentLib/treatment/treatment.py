@@ -22,7 +22,7 @@ from ..centerline import Centerline
 from ..certificate import Certificate, certify
 from ..deformation import Deployment, DeploymentSettings
 from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
-from ..lumen import DiameterProfile, ExtendedAxis, bulged_caps, diameter_profile
+from ..lumen import DiameterProfile, bulged_caps, diameter_profile
 from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
@@ -220,23 +220,22 @@ class Treatment:
         found = [self._treated(stage, after) for stage in self._stages]
         touching = [
             stage
-            for stage, (one, _) in zip(self._stages, found, strict=True)
+            for stage, one in zip(self._stages, found, strict=True)
             if one.apposition is None or not one.apposition.is_loose
         ]
         return tuple(
-            replace(one, branches=covered_by_all(one.branches, axis, touching))
-            for one, axis in found
+            replace(one, branches=covered_by_all(one.branches, one.way, touching)) for one in found
         )
 
-    def _treated(self, stage: Stage, after: Surface) -> tuple[TreatedStent, ExtendedAxis]:
-        """A stent, whose branches are those of its survey, and the axis of that."""
+    def _treated(self, stage: Stage, after: Surface) -> TreatedStent:
+        """A stent, whose branches are those of its survey."""
         found, left = stage.deployment.surface, stage.result.surface
         is_first = stage is self._stages[0]
         survey = self.survey if is_first else self._surveyed(stage)
         states = VesselStates(self.surface, found, left, after)
         seen = surroundings(survey, states, stage.radius_at)
         again = latest_of(stage.number, {one.number: one.stent for one in self._stages})
-        treated = TreatedStent(
+        return TreatedStent(
             number=stage.number,
             stent=stage.stent,
             axis=stage.axis,
@@ -244,13 +243,13 @@ class Treatment:
             after=seen.after.taken(survey.stations.own),
             around_before=survey.before,
             around_after=seen.after,
+            way=survey.axis,
             branches=survey.branches,
             neighbors=seen.neighbors,
             apposition=seen.apposition if again == stage.number else None,
             again=None if again == stage.number else again,
             result=stage.result,
         )
-        return treated, survey.axis
 
     @cached_property
     def survey(self) -> Survey:

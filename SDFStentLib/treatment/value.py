@@ -17,7 +17,7 @@ from ..centerline import Centerline
 from ..certificate import Certificate
 from ..deformation import DeploymentResult, DeploymentState
 from ..geometry import Surface
-from ..lumen import DiameterProfile, FaceStretch, face_stretches
+from ..lumen import DiameterProfile, ExtendedAxis, FaceStretch, face_stretches
 from ..stent import OfStent, Stent, StentAxis, redilated
 from ..validation import DeploymentError, InputError, Points
 from ..vessel import Apposition, NeighborLumen, Ostium
@@ -80,6 +80,8 @@ class TreatedStent(PlacedStent):
         Of the vessel along the axis, before any stent and after all of them.
     around_before, around_after : DiameterProfile
         The same, and up to 20 mm beyond both ends.
+    way : ExtendedAxis
+        Its axis and the way beyond both ends, along which the places of branches count.
     branches : tuple of Ostium
         Side branches near it, found on the surface that it was put into.
     neighbors : tuple of NeighborLumen
@@ -97,6 +99,7 @@ class TreatedStent(PlacedStent):
     after: DiameterProfile
     around_before: DiameterProfile
     around_after: DiameterProfile
+    way: ExtendedAxis
     branches: tuple[Ostium, ...]
     neighbors: tuple[NeighborLumen, ...]
     apposition: Apposition | None
