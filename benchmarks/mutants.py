@@ -79,6 +79,8 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
             last = starts[node.end_lineno - 1] + node.end_col_offset
             new = ast.unparse(made) if isinstance(made, ast.Return) else f"({ast.unparse(made)})"
             name, old = path.relative_to(PROJECT).as_posix(), source[first:last].decode()
+            if new == old:  # nothing is returned already
+                continue
             parts = source[starts[node.lineno - 1] : first], source[last : starts[node.end_lineno]]
             around = new.join(part.decode() for part in parts)
             is_global = not isinstance(statement, ast.FunctionDef | ast.ClassDef)
