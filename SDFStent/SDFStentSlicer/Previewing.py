@@ -125,7 +125,7 @@ class PreviewRun:
         return cls(surface, PreviewState(nothing, np.empty((0, 3)), ()), ())
 
     def follow(self, earlier):
-        """Keep what the last deployment in this vessel measured; it is of the `earlier` run, or was kept by that."""
+        """Keep what the last deployment in this vessel measured: the `earlier` run is it, or has kept it."""
         if earlier is not None and earlier.surface is self.surface:
             self.measured = earlier.measured
 

@@ -50,17 +50,18 @@ def _along(axis: ExtendedAxis, stent: Stage | PlacedStent) -> tuple[Floats, bool
 
 def covered_where_moved(
     treated: TreatedStent, moved: PlacedStent, stents: Iterable[PlacedStent]
-) -> int | None:
-    """How many of the branches beside a stent some stents cover, it having been moved.
+) -> tuple[int, int] | None:
+    """How many branches beside a stent were covered, and how many some stents cover now.
 
-    None where branches may lie beside it that nobody has looked for.
+    None where it has moved to where nobody has looked for branches.
     """
     along, is_known = _along(treated.way, moved)
     reach = -LISTED, treated.axis.deployed_length + LISTED
     if not is_known or along.min() < reach[0] or along.max() > reach[1]:
         return None
-    found = covered_by_all(treated.branches, treated.way, stents)
-    return sum(not one.is_free for one in found)
+    now = covered_by_all(treated.branches, treated.way, stents)
+    before, after = (sum(not one.is_free for one in some) for some in (treated.branches, now))
+    return before, after
 
 
 class BranchBeside(NamedTuple):

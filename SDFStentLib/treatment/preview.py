@@ -124,9 +124,7 @@ class PreviewState:
         touching = [one for one in self.stents if len(one.state.state.indices)]
         for treated in measured:
             if treated.number == placed.number:
-                now = covered_where_moved(treated, placed, touching)
-                before = sum(not one.is_free for one in treated.branches)
-                return None if now is None else (before, now)
+                return covered_where_moved(treated, placed, touching)
         return None
 
     def _left(self, lesion: Lesion) -> float:
