@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import vtk
-from panel_helpers import settle, theThroat
+from panel_helpers import clickSample, settle, theThroat
 from PySide6 import QtCore, QtGui, QtWidgets
 from sdfstent_host import Host
 from vtk.util.numpy_support import vtk_to_numpy
@@ -196,11 +196,10 @@ def movingPicture(studio):
 def opened(folder):
     """A studio with the sample vessel, seen as a whole."""
     studio = Studio(folder)
-    import SampleData
     import slicer
 
     slicer.app.showMainWindow(True)  # the view tells what follows the hand
-    vessel, centerline = SampleData.SampleDataLogic.download("StenosedPulmonaryArtery")
+    vessel, centerline = clickSample("StenosedPulmonaryArtery")
     everything = vtk_to_numpy(vessel.GetPolyData().GetPoints().GetData())
     studio.panel.ui.vesselSelector.setCurrentNode(vessel)
     studio.panel.ui.centerlineSelector.setCurrentNode(centerline)

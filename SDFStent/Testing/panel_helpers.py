@@ -29,6 +29,15 @@ def pointsOf(node):
     return np.array(slicer.util.arrayFromModelPoints(node))
 
 
+def clickSample(name):
+    """A click on the picture of a sample in Sample Data; its vessel and centerline."""
+    import SampleData
+
+    sources = SampleData.SampleDataLogic.sampleDataSourcesByCategory("SDF Stent")
+    (source,) = (source for source in sources if source.sampleName == name)
+    return source.customDownloader(source)
+
+
 def offered(selector):
     """Names of the nodes that a selector offers."""
     return [node.GetName() for node in selector.nodes()]

@@ -5,7 +5,8 @@ import gc
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import deploy, settle, theThroat
+from panel_helpers import clickSample, deploy, offered, settle, theThroat
+from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 
 def test_show_table_changes_to_a_layout_with_a_table_that_shows_ours(host, aStent, aScene):
@@ -134,11 +135,9 @@ def test_sample_data_waits_for_start_up_when_there_is_no_sample_data_yet(
 
 
 def test_the_3d_view_looks_at_sample_data_that_comes(host, aScene):
-    import SampleData
-
     host.application.view.look((500, 510, 500, 510, 500, 510))
     slicer.app.showMainWindow(True)
-    vessel, _centerline = SampleData.SampleDataLogic.download("AortaWithCoarctation")
+    vessel, _centerline = clickSample("AortaWithCoarctation")
     slicer.app.showMainWindow(False)
     bounds = np.reshape(vessel.GetPolyData().GetBounds(), (3, 2))
     focus = host.application.view.renderer.GetActiveCamera().GetFocalPoint()

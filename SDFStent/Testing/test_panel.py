@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import deploy, pointsOf, settle, theThroat
+from panel_helpers import clickSample, deploy, pointsOf, settle, theThroat
 
 
 def test_a_disabled_deploy_button_says_what_is_missing(host, aPanel, aVessel):
@@ -176,10 +176,8 @@ def test_reload_reads_both_halves_again(reloading, host, aPanel):
 
 
 def test_sample_data_comes_without_network(host, aScene):
-    import SampleData
-
     for name in ("StenosedPulmonaryArtery", "AortaWithCoarctation"):
-        vessel, centerline = SampleData.SampleDataLogic.download(name)
+        vessel, centerline = clickSample(name)
         assert vessel.GetPolyData().GetNumberOfPolys() > 1000
         assert centerline.GetPolyData().GetPointData().HasArray("Radius")
 

@@ -141,7 +141,7 @@ def _emptyWindow():
 
 
 class SampleDataLogic:
-    """`SampleData.SampleDataLogic`: lists of sources by category, downloads only through custom downloaders."""
+    """`SampleData.SampleDataLogic`: lists of sources by category. Slicer's own downloads make nothing of custom downloaders either."""
 
     sources = {}
 
@@ -154,13 +154,6 @@ class SampleDataLogic:
     @classmethod
     def sampleDataSourcesByCategory(cls, category=None):
         return cls.sources if category is None else cls.sources.get(category, [])
-
-    @classmethod
-    def download(cls, sampleName):
-        """A click on the picture of a sample."""
-        sources = [source for known in cls.sources.values() for source in known]
-        source = next(source for source in sources if source.sampleName == sampleName)
-        return source.customDownloader(source)
 
 
 def install(application, files, checkout=None):
