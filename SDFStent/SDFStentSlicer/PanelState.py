@@ -132,6 +132,7 @@ class PanelState:
         self.ui = ui
         self._logic, self._session, self._size = logic, session, size
         self.atHand, self.steps, self._told = AtHand(), Steps(ui), ("", "")
+        self._toldOf, self._usualTip = (None,), ui.statusLabel.toolTip
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
@@ -242,11 +243,20 @@ class PanelState:
         instead = _("changed since; not deployed yet") if isOld else instead
         self.atHand.show(parameterNode.atHand, instead)
         told = standing.missing, parameterNode.status
+        of = parameterNode, standing.signature, Flow.toldFlow(parameterNode)
+        isAsBefore = told[1] == self._told[1] and parameterNode is self._toldOf[0]
+        if told[1] and isAsBefore and of != self._toldOf:
+            parameterNode.status = ""  # was said of the plan as it was; this has come here again
+            return
+        self._toldOf = of
+        status = told[1].partition("\n\n")[0]
+        self.ui.statusLabel.toolTip = told[1] or self._usualTip
         for sentence, former in zip(told, self._told, strict=True):
             if sentence != former:  # who asked from a section far below sees it, too
-                slicer.util.showStatusMessage(sentence.rpartition("\n")[2], SAID_MS)
+                said = sentence.partition("\n\n")[0].rpartition("\n")[2]
+                slicer.util.showStatusMessage(said, SAID_MS)
         self._told = told
-        sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
+        sentences = [standing.missing, status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
         self._size.fit()

@@ -128,6 +128,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             self._inputs.watch([])
             for widget in (self.ui.placeWidget, self.ui.segmentPlaceWidget):
                 widget.setCurrentNode(None)
+            self._parameterNode.status = ""  # of a click that is long ago when this is shown again
         self._parameterNode = parameterNode
         self.preparation.cancel()
         self.session.setParameterNode(parameterNode)

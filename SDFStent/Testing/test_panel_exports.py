@@ -126,9 +126,33 @@ def test_a_mesh_that_cannot_be_used_is_said_and_the_stents_stay(host, theFiles, 
     sentence = "expected a surface of your own, got a result of this module; select another model."
     assert sentence in ui.statusLabel.text
     assert parameters.outputStents.GetPolyData().GetNumberOfPoints() == count
-    ui.deviceMeshSelector.setCurrentNode(parameters.centerline)
+    parameters.deviceMesh = parameters.centerline  # nor is this
     host.process()
     assert "expected a surface of your own, got none" in ui.statusLabel.text
+
+
+def test_what_was_written_is_said_until_the_plan_is_changed_or_left(host, theFiles, tmp_path):
+    ui, parameters = theFiles.ui, theFiles._parameterNode
+    path = tmp_path / "plan.json"
+
+    def change():
+        ui.diameterSlider.value += 0.5
+
+    def flow():
+        ui.flowMeanSpinBox.value = 3.0
+
+    def leave():
+        host.leave(theFiles)
+        host.enter(theFiles)
+
+    for edit in (change, flow, leave):
+        theFiles.logic.savePlan(path, parameters)
+        parameters.status = parameters.status or f"Wrote {path}."
+        assert ui.statusLabel.text.startswith(parameters.status)
+        ui.expansionSlider.value = 50.0  # which is only looked at
+        assert parameters.status
+        edit()
+        assert parameters.status == ui.statusLabel.text == ""
 
 
 def test_nothing_is_written_of_a_plan_that_was_changed_or_under_a_wrong_name(
