@@ -27,9 +27,3 @@ def takenIDs(parameterNode, role):
         for name in map(node.GetNthNodeReferenceRole, range(node.GetNumberOfNodeReferenceRoles()))
         if name.split(".")[0] == role and (nodeID := node.GetNodeReferenceID(name))
     ]
-
-
-def allIDs(parameterNode):
-    """IDs of all models in the scene that were made for results."""
-    models = slicer.util.getNodesByClass("vtkMRMLModelNode", parameterNode.parameterNode.GetScene())
-    return [node.GetID() for node in models if node.GetAttribute(ATTRIBUTE) is not None]

@@ -142,7 +142,7 @@ class PanelState:
         self.steps.show(parameterNode)
         self._showSegments(parameterNode)
         self._reach(parameterNode)
-        self._hideResults(parameterNode)
+        self.offer(parameterNode)
         self.enable(parameterNode)
         self._logic.updateDisplay(parameterNode)
 
@@ -155,14 +155,22 @@ class PanelState:
         selector.setCurrentSegmentID(parameterNode.segmentID)
         selector.blockSignals(wasBlocked)
 
-    def _hideResults(self, parameterNode):
-        """Offer no results as inputs, unless one is chosen already."""
-        results = Outputs.allIDs(parameterNode)
-        for name in ("vessel", "centerline", "deviceMesh"):
-            chosen = getattr(parameterNode, name)
-            hidden = [one for one in results if chosen is None or one != chosen.GetID()]
-            offered = getattr(self.ui, name + "Selector").sortFilterProxyModel()
-            if list(offered.hiddenNodeIDs) != hidden:
+    def offer(self, parameterNode):
+        """Offer no results, lines or walls where they are no inputs, unless one is chosen already. An empty model may become either."""
+        models = slicer.util.getNodesByClass("vtkMRMLModelNode")
+        results = [one for one in models if one.GetAttribute(Outputs.ATTRIBUTE) is not None]
+        isWall, isLine = Conversion.hasWall, Conversion.hasLines
+        for name, isIt, isOther in (
+            ("vessel", isWall, isLine),
+            ("centerline", isLine, isWall),
+            ("deviceMesh", isWall, isLine),
+        ):
+            others = [one for one in models if isOther(one) and not isIt(one)]
+            selector = getattr(self.ui, name + "Selector")
+            chosen = getattr(parameterNode, name), selector.currentNode()  # which may follow yet
+            hidden = [one.GetID() for one in {*results, *others}.difference(chosen)]
+            offered = selector.sortFilterProxyModel()
+            if set(offered.hiddenNodeIDs) != set(hidden):
                 offered.hiddenNodeIDs = hidden
 
     def _reach(self, parameterNode):

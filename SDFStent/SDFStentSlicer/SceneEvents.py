@@ -6,6 +6,8 @@ from vtkmodules.util.misc import calldata_type
 from vtkmodules.util.vtkConstants import VTK_OBJECT
 from vtkmodules.vtkCommonCore import vtkCommand
 
+from . import Clock
+
 
 class InputWatch(VTKObservationMixin):
     """Calls `onModified()` when one of the watched nodes changes, `onGrabbed(node)` and `onReleased(node)` when the mouse takes a point
@@ -67,11 +69,13 @@ class SceneEvents:
     """A part of `SDFStentWidget`: lets go of a scene in time, and shows the plan that it comes back with."""
 
     def _observeScene(self, scene):
+        self._added = Clock.timer(self._offer, 0)
         for event, method in (
             (scene.StartCloseEvent, self.onSceneStartClose),
             (scene.EndCloseEvent, self.onSceneReady),
             (scene.StartImportEvent, self.onSceneStartImport),
             (scene.EndImportEvent, self.onSceneEndImport),
+            (scene.NodeAddedEvent, self.onNodeAdded),
             (scene.NodeAboutToBeRemovedEvent, self.onNodeAboutToBeRemoved),
             (scene.NodeRemovedEvent, self.onNodeRemoved),
         ):
@@ -105,6 +109,13 @@ class SceneEvents:
         if self.parent.isEntered:
             self.initializeParameterNode()
             self.logic.showPlan(self._parameterNode)
+
+    def onNodeAdded(self, caller=None, event=None):
+        self._added.start()  # who adds a model may fill it afterwards
+
+    def _offer(self):
+        if self._parameterNode is not None:
+            self._state.offer(self._parameterNode)
 
     @calldata_type(VTK_OBJECT)
     def onNodeAboutToBeRemoved(self, caller, event, node):

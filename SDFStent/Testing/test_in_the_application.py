@@ -190,24 +190,38 @@ def test_results_are_in_one_folder_per_parameter_set(aLogic, theParameters, aSce
     assert {folderOf(node) for node in outputsOf(theParameters)} == first
 
 
+def test_only_what_fits_is_offered_and_what_may_yet_fit(host, aPanel, aVessel, aScene):
+    ui, (vessel, centerline) = aPanel.ui, aVessel
+    both = aScene.AddNewNodeByClass("vtkMRMLModelNode", "Both")
+    aScene.AddNewNodeByClass("vtkMRMLModelNode", "Empty")
+    lines = vtkPolyData()
+    lines.DeepCopy(centerline.GetPolyData())
+    lines.SetPolys(vessel.GetPolyData().GetPolys())
+    both.SetAndObservePolyData(lines)  # as who adds a node does: afterwards
+    host.process()
+    walls = [vessel.GetName(), "Both", "Empty"]
+    assert offered(ui.vesselSelector) == offered(ui.deviceMeshSelector) == walls
+    assert offered(ui.centerlineSelector) == [centerline.GetName(), "Both", "Empty"]
+
+
 def test_vessel_and_centerline_stay_open_until_they_can_be_used(host, aPanel, aVessel):
     from SDFStentSlicer import Conversion, Showing
 
     from SDFStentLib.files import polydata_from_lines
 
     ui, (vessel, centerline) = aPanel.ui, aVessel
-    ui.centerlineSelector.setCurrentNode(vessel)
-    ui.vesselSelector.setCurrentNode(centerline)
+    aPanel._parameterNode.centerline, aPanel._parameterNode.vessel = vessel, centerline
+    host.process()
     ui.centerlineSelector.setCurrentNode(centerline)
-    assert not ui.inputsCollapsibleButton.collapsed  # centerlines are offered as vessels
+    assert not ui.inputsCollapsibleButton.collapsed  # a script may choose lines as a vessel
     ui.vesselSelector.setCurrentNode(vessel)
     assert ui.inputsCollapsibleButton.collapsed
     looks = [
         (one.GetDisplayNode().GetColor(), one.GetDisplayNode().GetOpacity()) for one in aVessel
     ]
     assert looks == [(Showing.VESSEL_COLOR, Showing.VESSEL_OPACITY), (Showing.LINE_COLOR, 1.0)]
-    for chosen in (vessel, centerline, vessel):  # the list of centerlines offers surfaces, too
-        ui.centerlineSelector.setCurrentNode(chosen)
+    for chosen in (vessel, centerline, vessel):
+        aPanel._parameterNode.centerline = chosen
         host.processUntil(lambda: not aPanel.lesions.isBusy)
         assert ui.inputsCollapsibleButton.collapsed == (chosen is centerline)
         assert ("expected a model of lines" in ui.lesionLabel.text) == (chosen is vessel)
