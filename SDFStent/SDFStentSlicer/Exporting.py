@@ -192,12 +192,12 @@ def _named(node):
 
 
 def _sentences(found, folder):
-    """What the shell says of a segment, behind the line for which there is room."""
+    """What the shell says of a segment; warnings come first, what it consists of stands behind the empty line."""
     yield _("Wrote {folder}, in cm; point here to read what is in it.").format(folder=folder)
-    yield ""
-    yield from (caution.sentence() for caution in found.warnings)
-    yield from segment_sentences(found)
     if found.after is None:
         yield _(
             "Before treatment only: deploy the plan as it is now to have the vessel after it, too."
         )
+    yield from (caution.sentence() for caution in found.warnings)
+    yield ""
+    yield from segment_sentences(found)

@@ -99,7 +99,7 @@ def test_what_is_not_deployed_is_said_and_branches_are_closed_when_asked_for(
         document = json.loads((tmp_path / name / "segment.json").read_text(encoding="utf-8"))
         assert document["after"] is None
         assert document["inputs"]["surface"]["file"] == "Artery"  # which is in no file
-        assert "Before treatment only: deploy" in ui.statusLabel.toolTip
+        assert "Before treatment only: deploy" in ui.statusLabel.text
         assert sorted(path.name for path in (tmp_path / name).iterdir()) == [
             "before",
             "segment.json",
@@ -157,7 +157,7 @@ def test_round_a_stent_the_ends_are_where_a_plane_meets_only_the_vessel(
     deploy(host, aSegment)
     written(host, aSegment, tmp_path)
     assert ui.statusLabel.text.startswith(f"Wrote {tmp_path / 'segment'}, in cm;")
-    assert "of the segment was moved" in ui.statusLabel.toolTip
+    assert "of the segment was moved" in ui.statusLabel.text
     assert exterior(tmp_path / "segment" / "after").surface.topology.is_closed
 
 
