@@ -27,6 +27,9 @@ DRAWN_ATTRIBUTE = "SDFStent.DrawnAs"
 STRUT_WIDTH = 3
 """Pixels."""
 
+TITLE_SIZE = 14
+"""Points; less than Slicer's, for a sentence."""
+
 OLD_OPACITY = 0.25
 """Of a plot."""
 
@@ -273,9 +276,9 @@ def _selection():
 
 
 def _isFree(shownID):
-    """Whether a new plot or table may take the place of a node in the views: none is there, or that of another plan."""
+    """Whether a new plot or table may take the place of a node in the views: none is there, a mark, or that of another plan."""
     shown = slicer.mrmlScene.GetNodeByID(shownID or "")
-    return shown is None or resultsFolder(shown) != 0
+    return shown is None or shown.GetHideFromEditors() or resultsFolder(shown) != 0
 
 
 def showChart(parameterNode, x, series, dashed, top):
@@ -287,27 +290,50 @@ def showChart(parameterNode, x, series, dashed, top):
         chart.SetYAxisTitle(_("Diameter (mm)"))
         for column, color in series.items():
             node = _addOutput(parameterNode, "vtkMRMLPlotSeriesNode", column)
-            node.SetName(column)  # as it stands in the legend, also of the second plan
-            node.SetPlotType(slicer.vtkMRMLPlotSeriesNode.PlotTypeScatter)
-            node.SetMarkerStyle(slicer.vtkMRMLPlotSeriesNode.MarkerStyleNone)
-            node.SetColor(*color)
-            node.SetLineWidth(3)
-            if column == dashed:  # seen over a lumen that agrees with it
-                node.SetLineStyle(slicer.vtkMRMLPlotSeriesNode.LineStyleDash)
+            node.SetName(column)  # as the pointer tells it, also of the second plan
+            styleSeries(node, color, column == dashed)
             chart.AddAndObservePlotSeriesNodeID(node.GetID())
         parameterNode.outputChart = chart
-    chart.SetYAxisRangeAuto(False)
-    chart.SetYAxisRange(0.0, top)
+    showFromZero(chart, top)
     for index, column in enumerate(series):
         node = chart.GetNthPlotSeriesNode(index)
         if node is not None:
-            with slicer.util.NodeModify(node):
-                node.SetAndObserveTableNodeID(parameterNode.outputTable.GetID())
-                node.SetXColumnName(x)
-                node.SetYColumnName(column)
-    if isNew and _isFree(_selection().GetActivePlotChartID()):
-        Showing.activateChart(chart)
+            drawColumns(node, parameterNode.outputTable, x, column)
+    if isNew:
+        offerChart(chart)
     return chart
+
+
+def offerChart(chart):
+    """Show a new chart, unless the user looks at one of his own."""
+    if _isFree(_selection().GetActivePlotChartID()):
+        Showing.activateChart(chart)
+
+
+def styleSeries(node, color, isDashed):
+    """A line without points; a dashed one is seen over another that agrees with it."""
+    node.SetPlotType(slicer.vtkMRMLPlotSeriesNode.PlotTypeScatter)
+    node.SetMarkerStyle(slicer.vtkMRMLPlotSeriesNode.MarkerStyleNone)
+    node.SetColor(*color)
+    node.SetLineWidth(3)
+    if isDashed:
+        node.SetLineStyle(slicer.vtkMRMLPlotSeriesNode.LineStyleDash)
+
+
+def drawColumns(node, table, x, y):
+    """Let a series draw a column of a table over another."""
+    with slicer.util.NodeModify(node):
+        node.SetAndObserveTableNodeID(table.GetID())
+        node.SetXColumnName(x)
+        node.SetYColumnName(y)
+
+
+def showFromZero(chart, top):
+    """Diameters are compared from 0 on. The title tells the lines apart: a legend would lie over them."""
+    chart.SetYAxisRangeAuto(False)
+    chart.SetYAxisRange(0.0, top)
+    chart.SetLegendVisibility(False)
+    chart.SetTitleFontSize(TITLE_SIZE)
 
 
 def fadeChart(chart, isOld):

@@ -6,9 +6,9 @@ from slicer.i18n import tr as _
 from SDFStentLib.report import degree_word, lesion_sentences
 from SDFStentLib.vessel import SMALLEST_DEGREE
 
-from . import Clock
+from . import Clock, Display, Results
 from .Handles import CURVE, POINTS
-from .Marks import createMark, removeMark
+from .Marks import createChart, createMark, removeMark
 from .PanelParts import fitColumns
 from .Portions import SteppedRun
 
@@ -21,15 +21,16 @@ GLYPH, TEXT = 1.5, 4.0
 
 
 class LesionMarks:
-    """Markups to look at only, which nobody can move."""
+    """Markups to look at only, which nobody can move, and a plot of one of them."""
 
     def __init__(self):
-        self._lesions, self._numbers, self._extent = (), None, None
+        self._lesions, self._numbers, self._extent, self._chart = (), None, None, []
 
     def show(self, lesions):
         """Mark the library's lesions in place of all former ones; none of them is selected."""
-        removeMark(self._numbers)
-        self._lesions, self._numbers = lesions, None
+        for node in (self._numbers, *self._chart):
+            removeMark(node)
+        self._lesions, self._numbers, self._chart = lesions, None, []
         if lesions:
             texts = [f"  {number}" for number in range(1, len(lesions) + 1)]
             points = [lesion.point for lesion in lesions]
@@ -51,6 +52,24 @@ class LesionMarks:
             texts = [""] * len(points)
             self._extent = _locked(createMark(CURVE, _("Selected lesion"), points, texts))
 
+    def plot(self, index):
+        """Show how wide one of them is along the vessel, unless the user looks at a plot of his own."""
+        lesion, former = self._lesions[index], self._chart
+        vessel, healthy = "Before (mm)", _("Healthy vessel (mm)")
+        self._chart = createChart(
+            _("Diameter along lesion {number}: red here, dashed healthy vessel").format(
+                number=index + 1
+            ),
+            (_("From the root (mm)"), lesion.start + lesion.line.arc_lengths),
+            {
+                vessel: (lesion.diameters, Results.SERIES[vessel]),
+                healthy: (lesion.healthy, HEALTHY_COLOR),
+            },
+        )
+        Display.offerChart(self._chart[-1])
+        for node in former:
+            removeMark(node)
+
 
 def _locked(node):
     node.SetLocked(True)
@@ -64,6 +83,8 @@ def _locked(node):
     return node
 
 
+HEALTHY_COLOR = (0.3, 0.3, 0.3)
+"""In the plot; as of a prescribed diameter."""
 SETTLE_MS = 250
 """The vessel has to rest so long, so that nothing is searched while it is being edited."""
 
@@ -177,6 +198,8 @@ class LesionTable:
         finally:
             self._updating = False
         self._marks.show(lesions)
+        if lesions:
+            self._plot(0)
         table.visible = len(rows) > 0
         self._offer()
         self.ui.lesionLabel.text = sentence
@@ -190,7 +213,13 @@ class LesionTable:
         if not self._updating:
             self._marks.select(None if self.selected is None else self.ui.lesionTable.currentRow())
             if self.selected is not None:
+                self._plot(self.ui.lesionTable.currentRow())
                 self._onSelect(self.selected)
+
+    def _plot(self, row):
+        """As long as there is no result to be plotted."""
+        if self._parameterNode.outputChart is None:
+            self._marks.plot(row)
 
     def _clicked(self, _row, _column):
         """Go there again when the selected one is clicked once more."""

@@ -1,6 +1,8 @@
 """Nodes that only show something: nobody chooses or saves them. Markups are seen through what lies before them."""
 
+import numpy as np
 import slicer
+from slicer.i18n import tr as _
 
 from . import Display
 from .Handles import removeWhole
@@ -42,6 +44,30 @@ def createTube(name, axis, radius):
     Display.showTubes(node, [(axis, radius)])
     display.SetEdgeVisibility(False)
     return node
+
+
+def createChart(title, position, series):
+    """A plot chart, and before it in the list all that it is made of.
+
+    `position` is (label, values), `series` maps a label to (values, color); the last of them is dashed.
+    """
+    names, dashed = [position[0], *series], [*series][-1]
+    columns = [position[1], *(values for values, _color in series.values())]
+    table = slicer.mrmlScene.AddNode(_newNode("vtkMRMLTableNode", title))
+    slicer.util.updateTableFromArray(table, columns, names)
+    chart = _newNode("vtkMRMLPlotChartNode", title)
+    chart.SetTitle(title)
+    chart.SetXAxisTitle(position[0])
+    chart.SetYAxisTitle(_("Diameter (mm)"))
+    Display.showFromZero(chart, 1.1 * np.nanmax(columns[1:]))
+    lines = []
+    for name, (_values, color) in series.items():
+        line = slicer.mrmlScene.AddNode(_newNode("vtkMRMLPlotSeriesNode", name))
+        Display.styleSeries(line, color, name == dashed)
+        Display.drawColumns(line, table, position[0], name)
+        chart.AddAndObservePlotSeriesNodeID(line.GetID())
+        lines.append(line)
+    return [table, *lines, slicer.mrmlScene.AddNode(chart)]
 
 
 def _newNode(className, name):

@@ -77,3 +77,5 @@ class RoomyViews:
             self._former = former
             if self._parameterNode.outputChart is not None:
                 Showing.showPlot(self._parameterNode)
+            else:  # to a view that may be new
+                slicer.app.applicationLogic().PropagatePlotChartSelection()

@@ -211,5 +211,7 @@ def followPlan(left, shown):
     table, chart = left.outputTable, left.outputChart
     if None not in (table, shown.outputTable) and selection.GetActiveTableID() == table.GetID():
         activateTable(shown.outputTable)
-    if None not in (chart, shown.outputChart) and selection.GetActivePlotChartID() == chart.GetID():
+    active = slicer.mrmlScene.GetNodeByID(selection.GetActivePlotChartID() or "")
+    isOfLesion = active is not None and active.GetHideFromEditors()
+    if shown.outputChart is not None and active is not None and (active is chart or isOfLesion):
         activateChart(shown.outputChart)

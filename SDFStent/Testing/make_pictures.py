@@ -129,9 +129,9 @@ def plotPicture(chart, path):
     view.GetRenderWindow().SetSize(*PLOT_SIZE)
     view.GetRenderer().SetBackground(1, 1, 1)
     drawn = vtk.vtkChartXY()
-    drawn.SetShowLegend(True)
+    drawn.SetShowLegend(chart.GetLegendVisibility())
     drawn.SetTitle(chart.GetTitle())
-    drawn.GetLegend().SetVerticalAlignment(vtk.vtkChartLegend.BOTTOM)
+    drawn.GetTitleProperties().SetFontSize(chart.GetTitleFontSize())
     if not chart.GetYAxisRangeAuto():
         drawn.GetAxis(vtk.vtkAxis.LEFT).SetBehavior(vtk.vtkAxis.FIXED)
         drawn.GetAxis(vtk.vtkAxis.LEFT).SetRange(*chart.GetYAxisRange())

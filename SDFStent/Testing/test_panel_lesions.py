@@ -169,6 +169,38 @@ def test_the_line_of_a_lesion_makes_way_for_its_stent(host, theInputs, aScene):
     assert marks(aScene)[1] is not None
 
 
+def test_a_lesion_is_plotted_until_there_is_a_result(host, theInputs, aScene):
+    lesions, ui = found(host, theInputs), theInputs.ui
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+
+    def shown():
+        return aScene.GetNodeByID(selection.GetActivePlotChartID())
+
+    def drawn(index):
+        series = shown().GetNthPlotSeriesNode(index)
+        table = slicer.util.arrayFromTableColumn
+        names = series.GetXColumnName(), series.GetYColumnName()
+        return [table(series.GetTableNode(), name) for name in names]
+
+    for row, lesion in enumerate(lesions):
+        assert row or shown().GetTitle().startswith("Diameter along lesion 1:")  # before any click
+        clickRow(host, ui.lesionTable, row)
+        assert shown().GetTitle().startswith(f"Diameter along lesion {row + 1}:")
+        along, before = drawn(0)
+        assert along[[0, -1]] == pytest.approx([lesion.start, lesion.end], abs=0.05)
+        np.testing.assert_array_equal(before, lesion.diameters)
+        np.testing.assert_array_equal(drawn(1)[1], lesion.healthy)
+        assert not shown().GetSaveWithScene()
+        assert shown().GetYAxisRange()[1] > max(np.nanmax(lesion.diameters), lesion.healthy.max())
+    assert len(slicer.util.getNodesByClass("vtkMRMLPlotChartNode")) == 1
+    clickRow(host, ui.lesionTable, 0)
+    host.click(ui.addStentButton)
+    deploy(host, theInputs)
+    assert shown() is theInputs._parameterNode.outputChart
+    clickRow(host, ui.lesionTable, 0)
+    assert shown() is theInputs._parameterNode.outputChart
+
+
 def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, known_lesions):
     from SDFStentSlicer import Clock, Portions
 

@@ -136,7 +136,7 @@ def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
         assert selection.GetActivePlotChartID() == plan.outputChart.GetID()
         assert selection.GetActiveTableID() == plan.outputTable.GetID()
         lines = (plan.outputChart.GetNthPlotSeriesNode(index) for index in range(3))
-        assert [line.GetName() for line in lines] == list(SERIES)  # as in the legend
+        assert [line.GetName() for line in lines] == list(SERIES)  # as a pointer tells them
 
 
 def test_the_plot_of_a_plan_that_is_not_shown_is_weak(host, aPlan):

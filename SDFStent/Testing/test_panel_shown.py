@@ -76,6 +76,19 @@ def test_the_plot_comes_in_the_roomy_views_where_there_is_none(host, aStent, aSc
     ui.roomyViewsButton.checked = False
 
 
+def test_the_title_of_a_plot_tells_its_lines_apart_and_nothing_lies_over_them(host, aStent):
+    deploy(host, aStent)
+    chart = aStent._parameterNode.outputChart
+    assert not chart.GetLegendVisibility()
+    assert chart.GetTitle() == "Diameter along Stent 1: red before, blue after, dashed prescribed"
+    lines = [chart.GetNthPlotSeriesNode(index) for index in range(3)]
+    assert [line.GetName() for line in lines] == ["Before (mm)", "After (mm)", "Prescribed (mm)"]
+    red, blue = (line.GetColor() for line in lines[:2])
+    assert max(red) == red[0]
+    assert max(blue) == blue[2]
+    assert lines[2].GetLineStyle() == lines[2].LineStyleDash
+
+
 def test_a_plot_that_is_none_of_a_plan_stays_in_the_views(host, aStent, aScene):
     selection = slicer.app.applicationLogic().GetSelectionNode()
     chart = aScene.AddNewNodeByClass("vtkMRMLPlotChartNode", "Of the user's own")
@@ -164,7 +177,8 @@ def test_without_stents_the_vessel_is_as_it_was(host, aStent, aScene, tmp_path, 
     assert vessel.GetDisplayNode().GetVisibility()
     names = [node.GetName() for node in slicer.util.getNodesByClass("vtkMRMLModelNode")]
     assert not [name for name in names if "tent" in name]
-    assert not slicer.util.getNodesByClass("vtkMRMLPlotChartNode")
+    charts = slicer.util.getNodesByClass("vtkMRMLPlotChartNode")
+    assert not [chart for chart in charts if not chart.GetHideFromEditors()]
     for button in (ui.beforeButton, ui.showPlotButton, ui.showTableButton, ui.expansionSlider):
         assert not button.enabled
     host.click(ui.addStentButton)  # and all of it can be had again
