@@ -2,6 +2,7 @@
 
 import math
 from html import escape
+from itertools import takewhile
 
 import slicer
 from slicer.i18n import tr as _
@@ -257,12 +258,11 @@ class PanelState:
             parameterNode.status = ""  # was said of the plan as it was; this has come here again
             return
         self._toldOf = of
-        status = told[1].partition("\n\n")[0]
+        status = _inSight(told[1])
         self.ui.statusLabel.toolTip = told[1] or self._usualTip
         for sentence, former in zip(told, self._told, strict=True):
             if sentence != former:  # who asked from a section far below sees it, too
-                said = sentence.partition("\n\n")[0].rpartition("\n")[2]
-                slicer.util.showStatusMessage(said, SAID_MS)
+                slicer.util.showStatusMessage(_inSight(sentence).rpartition("\n")[2], SAID_MS)
         self._told = told
         sentences = [standing.missing, status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
@@ -276,3 +276,8 @@ def _letReach(slider, usual, value):
     slider.maximum = max(usual, math.ceil(value))
     slider.value = value
     slider.blockSignals(wasBlocked)
+
+
+def _inSight(said):
+    """What stands before an empty line; the rest only the tooltip shows."""
+    return "\n".join(takewhile(bool, said.splitlines()))
