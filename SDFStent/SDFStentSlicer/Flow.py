@@ -2,13 +2,14 @@
 
 import importlib
 import json
+import subprocess
 from dataclasses import replace
 
 import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib.flow import Known, Wave, has_svzerod
-from SDFStentLib.validation import InputError
+from SDFStentLib.validation import InputError, one_line
 
 ML_PER_S = 1000 / 60
 """In one liter per minute."""
@@ -38,8 +39,15 @@ def lacksSolver(parameterNode):
 
 
 def installSolver():
-    """Install the solver; what goes wrong is raised by Slicer, with what pip said."""
-    slicer.util.pip_install(SOLVER)
+    """Install the solver; what pip said of a failure is in Slicer's log. Raises `InputError`."""
+    try:
+        slicer.util.pip_install(SOLVER)
+    except (subprocess.SubprocessError, RuntimeError, OSError) as error:
+        raise InputError(
+            _(
+                'svzerod: expected to install it, got "{reason}"; mean and peak are told without it, try again once the network is there.'
+            ).format(reason=one_line(str(error)))
+        ) from error
     importlib.invalidate_caches()
 
 

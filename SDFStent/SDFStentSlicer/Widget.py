@@ -3,6 +3,7 @@
 import logging
 
 import slicer
+from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
 from slicer.util import VTKObservationMixin
 from vtkmodules.vtkCommonCore import vtkCommand
@@ -264,6 +265,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
 
     def onInstallSolver(self):
         self.logic.installSolver(self._parameterNode)
+        self._parameterNode.status = _("Installed svzerod for the wave.")
         self._requestUpdate()
         self._state.enable(self._parameterNode)
 

@@ -1,6 +1,7 @@
 """The flow of the patient in the results: what the library says of the last deployment, in the words of the report."""
 
 import json
+import subprocess
 
 import pytest
 import slicer
@@ -166,9 +167,22 @@ def test_the_solver_of_waves_is_offered_where_it_is_missing_and_never_required(
         raise DeploymentError("svzerod: it died")
 
     monkeypatch.setattr(solved, solve)
+    pip = ["PythonSlicer", "-m", "pip", "install", Flow.SOLVER]
+    for error in (subprocess.CalledProcessError(1, pip), RuntimeError("PythonSlicer not found")):
+
+        def fail(_requirement, error=error):
+            raise error
+
+        with monkeypatch.context() as offline:
+            offline.setattr(slicer.util, "pip_install", fail, raising=False)
+            host.click(ui.installSolverButton)
+        said = f'svzerod: expected to install it, got "{error}"; mean and peak are told without it'
+        assert said in ui.statusLabel.text
+        assert ui.installSolverButton.visible
     host.click(ui.installSolverButton)
     settle(host, aStent)
     assert installed == [Flow.SOLVER]
+    assert "expected to install" not in ui.statusLabel.text
     assert asked
     assert "svzerod: it died" in ui.lumenLabel.text
     assert not ui.installSolverButton.visible
