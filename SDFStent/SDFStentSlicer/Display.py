@@ -27,6 +27,9 @@ DRAWN_ATTRIBUTE = "SDFStent.DrawnAs"
 STRUT_WIDTH = 3
 """Pixels."""
 
+TABLE_DECIMALS = 3
+"""Of mm."""
+
 TITLE_SIZE = 14
 """Points; less than Slicer's, for a sentence."""
 
@@ -260,12 +263,14 @@ def fillTable(parameterNode, columns):
     if isNew:
         node = _addOutput(parameterNode, "vtkMRMLTableNode", _("Stent diameters"))
         parameterNode.outputTable = node
+        node.SetUseColumnTitleAsColumnHeader(True)
+        node.SetLocked(True)  # what somebody changes in it would be drawn as measured
+    shown = [np.round(values, TABLE_DECIMALS) for values, _unit in columns.values()]
     with slicer.util.NodeModify(node):  # a plot that is shown must not see it without its columns
-        slicer.util.updateTableFromArray(
-            node, [values for values, _unit in columns.values()], list(columns)
-        )
+        slicer.util.updateTableFromArray(node, shown, list(columns))
         for title, (_values, unit) in columns.items():
             node.SetColumnUnitLabel(title, unit)
+            node.SetColumnTitle(title, title.removesuffix(f" ({unit})"))  # the view adds the unit
     if isNew and _isFree(_selection().GetActiveTableID()):
         Showing.activateTable(node)
     return node
