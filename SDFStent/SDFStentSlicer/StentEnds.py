@@ -12,7 +12,7 @@ from .Marks import createMark, createTube, removeMark
 from .ParameterNode import Placement, stentOf
 
 SETTLE_MS = 100
-"""The stent has to rest so long: where it ends takes some 15 ms in a tree of 92 outlets, while a hand drags."""
+"""Where a stent lies takes some 15 ms in a tree of 92 outlets: so often it is shown while a hand drags, or once a live one rests."""
 
 GLYPH = 2.0
 """Less than of the handle; percent of a view."""
@@ -37,17 +37,29 @@ class StentEnds(VTKObservationMixin):
         return self._timer.isActive()
 
     def show(self, parameterNode):
-        """The stent that is selected now; the dots come once it rests, but for one that is dragged."""
+        """The stent that is selected now. One that is deployed live is seen itself; then tube and dots come once it rests."""
         standing = self._standingOf(parameterNode)
         if standing == self._standing:
             return
         self._parameterNode, self._standing = parameterNode, standing
+        if not parameterNode.autoUpdate:
+            if not self._timer.isActive():
+                self._timer.start()
+            return
         with Showing.inOneFrame():
             removeMark(self._tube)
-            if self._node is None or not self._node.GetAttribute(VIEW_ATTRIBUTE):
-                if self._node is not None and self._node.GetScene() is not None:
-                    self._node.SetDisplayVisibility(False)
-                self._timer.start()
+            if not self._isDragged and self._isThere:
+                self._node.SetDisplayVisibility(False)
+        self._timer.start()
+
+    @property
+    def _isThere(self):
+        return self._node is not None and self._node.GetScene() is not None
+
+    @property
+    def _isDragged(self):
+        """Whether the mouse has one of the dots."""
+        return self._isThere and bool(self._node.GetAttribute(VIEW_ATTRIBUTE))
 
     def leave(self):
         """No stent is shown any more."""
@@ -69,18 +81,19 @@ class StentEnds(VTKObservationMixin):
             self._logic.showsPlan(parameterNode),
         )
 
-    def _update(self):
+    def _update(self, isReleased=False):
         self._timer.stop()
         with Showing.inOneFrame():
-            self._showNow()
+            self._showTube()
+            if isReleased or not self._isDragged:
+                self._showDots()
 
-    def _showNow(self):
-        self._showTube()
+    def _showDots(self):
         ends = self._logic.stentEnds(self._parameterNode)
         if ends is None:
             self._remove()
             return
-        if self._node is None or self._node.GetScene() is None:
+        if not self._isThere:
             self._create(ends)
         handle = AT_HANDLE.get(self._parameterNode.stent.placement)
         self._isFollowing = True
@@ -128,4 +141,4 @@ class StentEnds(VTKObservationMixin):
 
     def _onReleased(self, caller=None, event=None):
         if self._parameterNode is not None:
-            self._update()
+            self._update(isReleased=True)

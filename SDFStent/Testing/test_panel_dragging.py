@@ -1,9 +1,13 @@
 """Handles that the mouse drags and places in a view: the real widgets of markups, on the real scene."""
 
+import time
+
 import numpy as np
 import pytest
 import slicer
 from panel_helpers import deploy, planned, settle, theThroat
+
+from SDFStentLib.stent import stent_axis
 
 
 @pytest.fixture
@@ -95,8 +99,6 @@ def endsOf(host, panel):
 @pytest.mark.parametrize(("placement", "kept"), [(0, 0), (0, 1), (0, 2), (1, 0), (2, 0)])
 def test_a_dot_at_an_end_is_dragged_for_the_length(host, aStent, theView, placement, kept):
     """The other end stays; the stent reaches from one dot to the other once it has shortened."""
-    from SDFStentLib.stent import stent_axis
-
     ui, tree = aStent.ui, treeOf(aStent)
     host.choose(ui.placementComboBox, placement)
     host.choose(ui.keptComboBox, kept)
@@ -139,6 +141,35 @@ def test_where_a_stent_will_lie_is_seen_until_it_is_deployed(host, aStent):
     assert tube() is not None
     host.click(ui.removeStentButton)
     assert tube() is None
+
+
+@pytest.mark.parametrize("end", [None, 1])
+def test_where_a_stent_will_lie_follows_the_hand(host, aStent, theView, end):
+    tree, found = treeOf(aStent), []
+    ends = endsOf(host, aStent)
+
+    def look():
+        time.sleep(0.03)  # as a hand does
+        host.process()
+        tube = slicer.mrmlScene.GetFirstNodeByName("Planned stent")
+        found.append(None if tube is None else slicer.util.arrayFromModelPoints(tube).mean(axis=0))
+
+    way = wayTo(tree, tree.leaves[0])
+    if end is None:  # the handle
+        aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *way[0])
+        steps = way[np.linspace(0, len(way) - 1, 40).astype(int)]
+        theView.drag([theView.pixel(step) for step in steps], look)
+    else:
+        begin, other = theView.pixel(ends[end]), theView.pixel(ends[1 - end])
+        steps = np.linspace(0, 40, 40)[:, None] * (begin - other) / np.linalg.norm(begin - other)
+        theView.drag([begin + step for step in steps], look)
+    assert not any(place is None for place in found)
+    assert len(np.unique(np.round(found, 3), axis=0)) > 4
+    (stent,) = planned(aStent)
+    host.processUntil(lambda: not aStent.ends.isBusy)
+    look()
+    lying = stent_axis(stent, tree).line.resampled(0.5).points
+    np.testing.assert_allclose(found[-1], lying.mean(axis=0), atol=0.2)
 
 
 def test_a_handle_dragged_in_a_slice_view_goes_to_the_nearest_place_in_space(host, aStent):
