@@ -184,7 +184,7 @@ class Page:
     def _show_results(self) -> None:
         """Table and plot, where they have changed, and whether there is something to save."""
         parameters = self.parameters
-        chart, table = parameters.outputChart, parameters.outputTable
+        chart, table = parameters.outputChart or self.widget.lesions.chart, parameters.outputTable
         drawn = chart and (chart.GetID(), chart.GetTitle(), opacity_of(chart))
         stamp = (drawn, table and table.GetTable().GetMTime())
         state = self.server.state

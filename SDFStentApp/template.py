@@ -328,7 +328,7 @@ DIAMETERS = """
 <component v-for="t in tiles" :is="t.is_caution ? 'button' : 'div'" class="tile" :class="{caution: t.is_caution}" @click="t.is_caution && window.unfold('detailsCollapsibleButton')">
 <span>{{ t.name }}</span> <strong>{{ t.value }}</strong> <span>{{ t.beneath }}</span></component></div>
 <div v-memo="[plot, table, pointed]">
-<p class="suffix" v-show="!plot.lines.length">Diameters along the stent, once it is deployed.</p>
+<p class="suffix" v-show="!plot.lines.length">Diameters along a lesion or a stent.</p>
 <figure v-show="plot.lines.length"><h2>{{ plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" preserveAspectRatio="xMinYMid" role="img" :aria-label="plot.title"
 @pointermove="pointed = window.nearest($event, plot.values)" @pointerdown="pointed = window.nearest($event, plot.values)" @pointerleave="pointed = window.nowhere()">
 <line v-if="pointed" class="pointed" :x1="pointed.at" :x2="pointed.at" y1="0" :y2="plot.height - 34"></line>
@@ -338,8 +338,8 @@ DIAMETERS = """
 <text :x="plot.width / 2" :y="plot.height - 3" text-anchor="middle">{{ plot.words[0] }}</text>
 <text :transform="'translate(11 ' + plot.height / 2 + ') rotate(-90)'" text-anchor="middle">{{ plot.words[1] }}</text></g>
 <path v-for="l in plot.lines" :d="l.path" :stroke="l.color" :opacity="l.opacity" :stroke-dasharray="l.dash ? '7 5' : null"></path>
-</svg><p class="suffix" data-name="pointed">{{ pointed ? pointed.text : '' }}</p><figcaption><span v-for="l in plot.lines"><i :class="{dash: l.dash}" :style="{background: l.color}"></i>{{ l.name }}</span></figcaption></figure>
-<details v-show="plot.lines.length"><summary>{{ table.title || 'Table' }}</summary><div class="table" role="region" aria-label="Diameters" tabindex="0"><table>
+</svg><p class="suffix" data-name="pointed">{{ pointed ? pointed.text : '' }}</p></figure>
+<details v-show="table.rows.length"><summary>{{ table.title || 'Table' }}</summary><div class="table" role="region" aria-label="Diameters" tabindex="0"><table>
 <thead><tr><th v-for="c in table.columns">{{ c }}</th></tr></thead>
 <tbody><tr v-for="row in table.rows"><td v-for="v in row">{{ v }}</td></tr></tbody></table></div></details>
 </div></div>

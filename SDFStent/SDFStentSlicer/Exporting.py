@@ -16,7 +16,7 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.flow import networks_of
 from SDFStentLib.plan import device_vtp
-from SDFStentLib.report import document_json, segment_sentences, write_segment
+from SDFStentLib.report import document_json, write_segment
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Display, Plans, Results
@@ -192,12 +192,10 @@ def _named(node):
 
 
 def _sentences(found, folder):
-    """What the shell says of a segment; warnings come first, what it consists of stands behind the empty line."""
-    yield _("Wrote {folder}, in cm; point here to read what is in it.").format(folder=folder)
+    """What to know of a segment at once."""
+    yield _("Wrote {folder}, in cm; segment.json tells what is in it.").format(folder=folder)
     if found.after is None:
         yield _(
             "Before treatment only: deploy the plan as it is now to have the vessel after it, too."
         )
     yield from (caution.sentence() for caution in found.warnings)
-    yield ""
-    yield from segment_sentences(found)

@@ -52,14 +52,17 @@ class LesionMarks:
             texts = [""] * len(points)
             self._extent = _locked(createMark(CURVE, _("Selected lesion"), points, texts))
 
+    @property
+    def chart(self):
+        """That plot, None without."""
+        return self._chart[-1] if self._chart else None
+
     def plot(self, index):
         """Show how wide one of them is along the vessel, unless the user looks at a plot of his own."""
         lesion, former = self._lesions[index], self._chart
         vessel, healthy = "Before (mm)", _("Healthy vessel (mm)")
         self._chart = createChart(
-            _("Diameter along lesion {number}: red here, dashed healthy vessel").format(
-                number=index + 1
-            ),
+            _("Lesion {number}: red lumen, dashed healthy vessel").format(number=index + 1),
             (_("From the root (mm)"), lesion.start + lesion.line.arc_lengths),
             {
                 vessel: (lesion.diameters, Results.SERIES[vessel]),
@@ -119,6 +122,11 @@ class LesionTable:
         found = () if self._search is None else self._search.found or ()
         isSelected = bool(self.ui.lesionTable.selectedItems())
         return found[row] if isSelected and 0 <= row < len(found) else None
+
+    @property
+    def chart(self):
+        """The plot chart of a lesion, None without."""
+        return self._marks.chart
 
     def follow(self, parameterNode):
         """Show the lesions of a parameter node's vessel, or of none; called whenever its inputs may have changed.

@@ -2,7 +2,6 @@
 
 import math
 from html import escape
-from itertools import takewhile
 
 import slicer
 from slicer.i18n import tr as _
@@ -133,7 +132,7 @@ class PanelState:
         self.ui = ui
         self._logic, self._session, self._size = logic, session, size
         self.atHand, self.steps, self._told = AtHand(), Steps(ui), ("", "")
-        self._toldOf, self._usualTip = (None,), ui.statusLabel.toolTip
+        self._toldOf = (None,)
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
@@ -258,13 +257,11 @@ class PanelState:
             parameterNode.status = ""  # was said of the plan as it was; this has come here again
             return
         self._toldOf = of
-        status = _inSight(told[1])
-        self.ui.statusLabel.toolTip = told[1] or self._usualTip
         for sentence, former in zip(told, self._told, strict=True):
             if sentence != former:  # who asked from a section far below sees it, too
-                slicer.util.showStatusMessage(_inSight(sentence).rpartition("\n")[2], SAID_MS)
+                slicer.util.showStatusMessage(sentence.rpartition("\n")[2], SAID_MS)
         self._told = told
-        sentences = [standing.missing, status, changed if isOld else ""]
+        sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
         self._size.fit()
@@ -276,8 +273,3 @@ def _letReach(slider, usual, value):
     slider.maximum = max(usual, math.ceil(value))
     slider.value = value
     slider.blockSignals(wasBlocked)
-
-
-def _inSight(said):
-    """What stands before an empty line; the rest only the tooltip shows."""
-    return "\n".join(takewhile(bool, said.splitlines()))

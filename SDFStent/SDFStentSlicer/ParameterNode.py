@@ -241,7 +241,7 @@ class SDFStentParameterNode:
     outputChart: Optional[vtkMRMLPlotChartNode]
 
     status: str = ""
-    """What the last click said; what stands behind an empty line only the tooltip shows."""
+    """What the last click said."""
     lumenSummary: str = ""
     certificateSummary: str = ""
     warningSummary: str = ""

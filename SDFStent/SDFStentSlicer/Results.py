@@ -317,9 +317,7 @@ def showProfile(parameterNode, run):
     chart = Display.showChart(
         parameterNode, POSITION, SERIES, dashed="Prescribed (mm)", top=1.1 * largest
     )
-    chart.SetTitle(
-        _("Diameter along {label}: red before, blue after, dashed prescribed").format(label=title)
-    )
+    chart.SetTitle(_("{label}: red before, blue after, dashed prescribed").format(label=title))
 
 
 def mapOf(run, chosen):

@@ -183,9 +183,9 @@ def test_a_lesion_is_plotted_until_there_is_a_result(host, theInputs, aScene):
         return [table(series.GetTableNode(), name) for name in names]
 
     for row, lesion in enumerate(lesions):
-        assert row or shown().GetTitle().startswith("Diameter along lesion 1:")  # before any click
+        assert row or shown().GetTitle().startswith("Lesion 1:")  # before any click
         clickRow(host, ui.lesionTable, row)
-        assert shown().GetTitle().startswith(f"Diameter along lesion {row + 1}:")
+        assert shown().GetTitle().startswith(f"Lesion {row + 1}:")
         along, before = drawn(0)
         assert along[[0, -1]] == pytest.approx([lesion.start, lesion.end], abs=0.05)
         np.testing.assert_array_equal(before, lesion.diameters)

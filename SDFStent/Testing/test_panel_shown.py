@@ -80,7 +80,7 @@ def test_the_title_of_a_plot_tells_its_lines_apart_and_nothing_lies_over_them(ho
     deploy(host, aStent)
     chart = aStent._parameterNode.outputChart
     assert not chart.GetLegendVisibility()
-    assert chart.GetTitle() == "Diameter along Stent 1: red before, blue after, dashed prescribed"
+    assert chart.GetTitle() == "Stent 1: red before, blue after, dashed prescribed"
     lines = [chart.GetNthPlotSeriesNode(index) for index in range(3)]
     assert [line.GetName() for line in lines] == ["Before (mm)", "After (mm)", "Prescribed (mm)"]
     red, blue = (line.GetColor() for line in lines[:2])
