@@ -198,6 +198,15 @@ class Visit:
     def text(self, name):
         return self.named(name).inner_text()
 
+    def until_drawn(self):
+        """Wait until the view's picture is as large as the view: a busy machine makes the next one late."""
+        for _attempt in range(500):
+            screen = self.page.locator(".screen").bounding_box()
+            if self.picture().shape == (screen["height"], screen["width"]):
+                return
+            self.page.wait_for_timeout(200)
+        raise AssertionError(f"the view is {screen}, its picture {self.picture().shape}")
+
     def number(self, name):
         return self.named(name).locator('input[type="number"]')
 
@@ -414,16 +423,11 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     mouse.move(603, 400)
     mouse.up()
     assert abs(split.bounding_box()["x"] - 603) < 4
-    screen = visit.page.locator(".screen").bounding_box()
-    for _attempt in range(50):  # a busy machine makes the view's next picture late
-        if visit.picture().shape == (screen["height"], screen["width"]):
-            break
-        visit.page.wait_for_timeout(200)
+    visit.until_drawn()
     sides = []
     for side in ("fromAnterior", "fromPosterior", "fromLeft"):
         visit.named(side).click()
         sides.append(visit.picture())
-    assert sides[0].shape == (screen["height"], screen["width"])
     assert sides[0].sum() > 1000
     behind = sides[1][:, ::-1]  # nothing is nearer, so nothing looks larger
     assert (sides[0] ^ behind).mean() < 0.02 < (sides[0] ^ sides[2]).mean()
@@ -705,6 +709,7 @@ def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
     a_visit.add_stent()
     a_visit.named("split").press("ArrowRight")
     width = a_visit.named("split").get_attribute("aria-valuenow")
+    a_visit.until_drawn()  # a call under way would be told as refused
     a_visit.page.reload()
     a_visit.named("stentTable").locator("tbody tr").first.wait_for()
     a_visit.until("stentTable", "Stent 1")
