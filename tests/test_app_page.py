@@ -199,7 +199,7 @@ class Visit:
         return self.named(name).inner_text()
 
     def until_drawn(self):
-        """Wait until the view's picture is as large as the view, which takes a busy machine long."""
+        """Wait until the view's picture is as large as the view: that may take its time."""
         for _attempt in range(500):
             screen = self.page.locator(".screen").bounding_box()
             if self.picture().shape == (screen["height"], screen["width"]):
