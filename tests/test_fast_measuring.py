@@ -21,6 +21,7 @@ from SDFStentLib.lumen import (
     moved_wall,
     near_wall,
     rays_from,
+    section_loops,
     winding_numbers,
 )
 from SDFStentLib.lumen.cross_section import _lumen_area
@@ -199,6 +200,44 @@ def test_sections_do_not_depend_on_the_winding():
     )
     assert np.isfinite(expected).all()
     np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_a_followed_section_is_that_of_a_new_cut():
+    """The wall grows from the axis: the same edges are cut, at the same shares of them."""
+    made = stenosed_tube(edge_length=0.7)
+    centers = made.axis_at(np.linspace(6, 30, 20))
+    ways = np.tile(made.axis_at(30.0) - made.axis_at(6.0), (20, 1)) / 24.0
+    loops = section_loops(made.points, made.triangles, centers, ways)
+    grown = made.points + 0.25 * (made.points - centers[0]) * (1 - np.abs(ways[0]))
+    for points in (made.points, grown):
+        expected = equivalent_diameters(points, made.triangles, centers, ways)
+        found = 2 * np.sqrt(loops.areas(points, centers, ways) / np.pi)
+        np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_section_holds_a_place_where_an_independent_test_says_so(seed):
+    """Prisms over random stars, cut aslant too, whose walls fold so that rays cross them often."""
+    from matplotlib.path import Path
+
+    random = np.random.default_rng(seed)
+    angle = np.sort(random.uniform(0, 2 * np.pi, 40))
+    outline = random.uniform(1, 6, 40)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    first, after = np.arange(40), np.roll(np.arange(40), -1)
+    rings = [np.column_stack([outline, np.full(40, height)]) for height in (0.0, 5.0)]
+    triangles = [np.stack([first, after, after + 40]), np.stack([first, after + 40, first + 40])]
+    surface = np.concatenate(rings), np.concatenate(triangles, axis=1).T
+    places = np.column_stack([random.uniform(-5, 5, (200, 2)), np.full(200, 2.3)])
+    ways = np.tile([0.0, 0.0, 1.0], (200, 1))
+    inside = Path(outline).contains_points(places[:, :2])
+    x, y = outline.T
+    area = abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+    expected = np.where(inside, 2 * np.sqrt(area / np.pi), np.nan)
+    assert inside.any()
+    assert not inside.all()
+    np.testing.assert_allclose(equivalent_diameters(*surface, places, ways), expected)
+    plain = [_lumen_area(*surface, *both) for both in zip(places, ways, strict=True)]
+    np.testing.assert_allclose(plain, np.where(inside, area, np.nan))
 
 
 def test_nearest_points_of_triangles_are_those_of_a_plain_way():

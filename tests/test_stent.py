@@ -296,6 +296,16 @@ def test_a_shaky_axis_is_smoothed_in_a_treatment_and_its_preview_alike():
     np.testing.assert_array_equal(plain, rough)
 
 
+def test_a_stent_from_end_to_end_is_packed_as_long_as_it_shortens_from_when_it_is_smoothed():
+    tube = straight_tube(radius=3.0, length=40.0)
+    rough = shaky(tube.axis_at(np.linspace(8, 32, 60)), 0.25)
+    stent = Stent(7.0, placement=AlongAxis(rough), foreshortening_fraction=0.2)
+    found = axis_in_vessel(stent, None, tube.surface, AxisChange(smoothing_length=3.0))
+    assert found.deployed_length < stent_axis(stent).deployed_length - 1
+    assert found.prescribed_length == found.deployed_length
+    assert 0.8 * found.nominal_length == pytest.approx(found.deployed_length, rel=1e-12)
+
+
 def test_a_stent_with_a_length_keeps_it_where_the_wall_stops_its_smoothing():
     made = hairpin_tube()
     axis = made.axis_at(np.linspace(5, 45, 120))

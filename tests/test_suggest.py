@@ -182,6 +182,45 @@ def test_a_stent_for_a_lesion_across_a_junction_warns_of_no_choice_there():
     np.testing.assert_allclose(axis.points[[0, -1], 2], [23, 33])
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_a_short_stent_is_as_near_to_the_middle_as_the_narrowest_place_lets_it(seed):
+    """The narrowest place lies in the middle half of the stent."""
+    random = np.random.default_rng(seed)
+    tree = Centerline(np.linspace((0, 0, 0), (0, 0, 60), 61), np.full(61, 4.0), np.arange(61) - 1)
+    length, narrowest = random.uniform(4, 20), random.uniform(10, 40)
+    lesion = replace(
+        a_lesion_of(8.0, 8.0),
+        line=Line(tree.points[10:41]),
+        start=10.0,
+        end=40.0,
+        arc_length=narrowest,
+        point=(0, 0, narrowest),
+        healthy=np.full(31, 8.0),
+    )
+    stent = Stent(8.0, placement=placement_at(lesion, tree, length, 0.0), length=length)
+    middle = stent_axis(replace(stent, foreshortening_fraction=0.0), tree).points[[0, -1], 2].mean()
+    expected = sorted([narrowest - length / 4, 25.0, narrowest + length / 4])[1]
+    assert middle == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_long_stent_across_a_junction_reaches_as_far_beyond_its_lesion_on_both_sides():
+    main, side = np.linspace((0, 0, 0), (0, 0, 60), 61), np.linspace((1, 0, 30), (20, 0, 30), 20)
+    parent = np.r_[np.arange(61) - 1, 30, np.arange(61, 80)]
+    tree = Centerline(np.concatenate([main, side]), np.full(81, 3.0), parent)
+    lesion = replace(
+        a_lesion_of(8.0, 8.0),
+        line=Line(main[23:34]),
+        start=23.0,
+        end=33.0,
+        arc_length=28.0,
+        point=(0, 0, 28),
+        healthy=np.full(11, 8.0),
+    )
+    stent = Stent(8.0, placement=placement_at(lesion, tree, 30.0, 0.0), length=30.0)
+    axis = stent_axis(replace(stent, foreshortening_fraction=0.0), tree)
+    np.testing.assert_allclose(axis.points[[0, -1], 2], [13, 43])
+
+
 def test_a_device_gives_its_own_length_and_one_that_is_too_short_is_refused(a_vessel):
     """A suggestion never leaves its own lesion uncovered."""
     row = {"nominal_length": 14, "lengths": [[4, 14], [8, 13]], "name": "own"}
