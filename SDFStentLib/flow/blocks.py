@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..validation import Flags, Floats
+from ..validation import Floats
 from .channels import Channel, Widths
 
 PASCAL_PER_MMHG = 133.322
@@ -164,7 +164,7 @@ def blocks_of(
     attached = np.sqrt(profile.energy) / area
     momentum = (4 / 15 - layer / 10) * layer / 2 * np.sqrt(area / np.pi)
     slowing = np.diff(profile.core / area, append=0.0)
-    clings = momentum**2 * slowing > PARTS * spread * way.step
+    clings = _clings(momentum**2 * slowing, PARTS * spread * way.step)
     kept = np.exp(-np.pi * SETTLES * spread * way.step)
     jet, mixed, turning = _jets(way, (attached, clings, kept), stream)
     # The wall rubs against what moves along it: not against the dead water round a jet.
@@ -269,13 +269,24 @@ def _layers(way: _Way, area: Floats, spread: Floats) -> Floats:
     return np.array(found)
 
 
+def _clings(slowing: Floats, parts: Floats) -> Floats:
+    """Over which share (m,) of the way to the next station blood stays at the wall.
+
+    It parts where `slowing` over `parts` passes 1. That goes evenly from one station to the next
+    one, or a jet would be as wide as the next station is, wherever that lies.
+    """
+    over = np.divide(slowing, parts, out=np.zeros_like(parts), where=parts < 0)
+    rise = np.maximum(np.append(over[1:], 0.0) - over, 1e-9)
+    return np.clip((1 - over) / rise, 0.0, 1.0)
+
+
 def _jets(
-    way: _Way, parts: tuple[Floats, Flags, Floats], stream: Stream
+    way: _Way, parts: tuple[Floats, Floats, Floats], stream: Stream
 ) -> tuple[Floats, Floats, list[float]]:
     """Speed over the flow (m,), what jets have lost in their channel, and what moves across (n,).
 
-    `parts` are the speed (m,) attached to the wall, whether it stays so, and by which factor a jet
-    comes nearer to it.
+    `parts` are the speed (m,) attached to the wall, over which share of the way to the next station
+    it stays so, and by which factor a jet comes nearer to it.
     """
     even, clings, kept = (column.tolist() for column in parts)
     flow, turns = stream.flow.tolist(), (TURNS * stream.turns).tolist()
@@ -292,7 +303,7 @@ def _jets(
         across.append((speed * math.sin(turns[number])) ** 2 / 2)
         for k in range(start, end - 1):
             to = even[k + 1]
-            excess = 0.0 if clings[k] and jet <= even[k] else max(jet - to, 0.0)
+            excess = max(jet - to, 0.0) * (1 - clings[k] if jet <= even[k] else 1.0)
             jet = to + excess * kept[k]
             lost += excess**2 * (1 - kept[k] ** 2) / 2
             jets.append(jet)
