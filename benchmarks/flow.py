@@ -25,7 +25,7 @@ from .sweep import DATA_FOLDER
 TUBES = {0.5: (5.0, 10.0), 0.6: (5.0, 10.0), 0.7: (2.0, 5.0)}
 """Flows, mL/s, by narrowing; none of them helped to choose a constant."""
 
-HALF, BEYOND, FINEST = 11.0, 150.0, 0.3
+HALF, BEYOND, FINEST = 11.0, 600.0, 0.3
 """mm: of the part that is looked at, where pressure has recovered, and of the elements."""
 
 SOLVED = {

@@ -37,7 +37,12 @@ u slows by more than so many viscosities over d^2."""
 
 SETTLES = 26.4
 """Sparrow et al.: a profile settles as exp(-SETTLES nu x / (u r^2)), the square of the first root
-of the Bessel function J2."""
+of the Bessel function J2. So does blood that goes into a branch, along the wall there."""
+
+STANDS = math.sqrt(8) / 3
+"""What parts from the wall goes on as a parabola of area a among blood that stands. By the balances
+of momentum and energy in a vessel of area A it widens as (2 / a - 4 / (3 A)) da = 8 pi nu / Q dx.
+Its speed over the flow is sqrt(2) / a, and with that 2 a / (3 A) is STANDS / (A speed)."""
 
 TURNS = 0.75
 """Hager, Mynard: part of the angle of a branch by which blood that goes into it is turned."""
@@ -165,8 +170,9 @@ def blocks_of(
     momentum = (4 / 15 - layer / 10) * layer / 2 * np.sqrt(area / np.pi)
     slowing = np.diff(profile.core / area, append=0.0)
     clings = _clings(momentum**2 * slowing, PARTS * spread * way.step)
-    kept = np.exp(-np.pi * SETTLES * spread * way.step)
-    jet, mixed, turning = _jets(way, (attached, clings, kept), stream)
+    jet, mixed, turning = _jets(
+        way, (attached, clings, np.pi * spread * way.step, STANDS / area), stream
+    )
     # The wall rubs against what moves along it: not against the dead water round a jet.
     friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
@@ -281,14 +287,14 @@ def _clings(slowing: Floats, parts: Floats) -> Floats:
 
 
 def _jets(
-    way: _Way, parts: tuple[Floats, Floats, Floats], stream: Stream
+    way: _Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
 ) -> tuple[Floats, Floats, list[float]]:
     """Speed over the flow (m,), what jets have lost in their channel, and what moves across (n,).
 
     `parts` are the speed (m,) attached to the wall, over which share of the way to the next station
-    it stays so, and by which factor a jet comes nearer to it.
+    it stays so, `pi nu / Q` times that way, and `STANDS` over the area.
     """
-    even, clings, kept = (column.tolist() for column in parts)
+    even, clings, spread, stands = (column.tolist() for column in parts)
     flow, turns = stream.flow.tolist(), (TURNS * stream.turns).tolist()
     jets: list[float] = []
     losses: list[float] = []
@@ -301,11 +307,19 @@ def _jets(
         jets.append(jet)
         losses.append(lost)
         across.append((speed * math.sin(turns[number])) ** 2 / 2)
+        has_parted = False
         for k in range(start, end - 1):
             to = even[k + 1]
-            excess = max(jet - to, 0.0) * (1 - clings[k] if jet <= even[k] else 1.0)
-            jet = to + excess * kept[k]
-            lost += excess**2 * (1 - kept[k] ** 2) / 2
+            is_jet = jet > even[k]
+            has_parted = has_parted or not is_jet
+            excess = max(jet - to, 0.0) * (1.0 if is_jet else 1 - clings[k])
+            jet = to
+            if excess > 0 and has_parted:
+                jet += excess
+                jet = max(jet * math.exp(-4 * spread[k] / (1 - stands[k + 1] / jet)), to)
+            elif excess > 0:
+                jet += excess * math.exp(-SETTLES * spread[k])
+            lost += (excess**2 - (jet - to) ** 2) / 2
             jets.append(jet)
             losses.append(lost)
     return np.array(jets), np.array(losses), across

@@ -10,7 +10,6 @@ import numpy as np
 
 from ..geometry import closest_on_segments
 from ..validation import Flags, Floats, Points
-from .blocks import SETTLES
 from .channels import Channel
 from .network import Network
 
@@ -162,6 +161,8 @@ def _left_in_jets(jet: Floats, area: Floats, flow: Floats, density: Floats, loss
     Less what the dead water round it spares of the friction there.
     """
     settled = np.minimum(math.sqrt(2) / area, jet)
-    # Poiseuille's friction over the length in which a profile settles.
-    spared = 8 * density / SETTLES * (np.abs(flow) / area) * (flow / area) * np.log(jet / settled)
+    # Poiseuille's friction on what stands, 1 - a / A, while the jet widens (`blocks.STANDS`).
+    share = settled / jet
+    widening = 2 / 3 * (1 - share**2) - 10 / 3 * (1 - share) - 2 * np.log(share)
+    spared = density * (np.abs(flow) / area) * (flow / area) * widening
     return np.asarray(loss * density / 2 * (flow * (jet - settled)) ** 2 - spared)
