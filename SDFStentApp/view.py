@@ -59,8 +59,9 @@ class View(ThreeDView):
         self.node.SetOrientationMarkerSize(self.node.OrientationMarkerSizeSmall)
         self.node.SetRenderMode(self.node.Orthographic)  # else a scale is true at one depth only
         self.node.SetRulerType(self.node.RulerTypeThin)
-        self.area = _Area(self.window, on_click, self.look_at_all)
+        self.area = _Area(self.window, on_click, self._take_size)
         self._frames: Frames | None = None
+        self._whole: tuple[Any, ...] | None = None
         self._ball, self._mark = vtkSphereSource(), vtkActor()
         self._ball.SetThetaResolution(32)
         self._ball.SetPhiResolution(16)
@@ -113,7 +114,19 @@ class View(ThreeDView):
         self.renderer.ResetCamera()
         self.renderer.ResetCameraScreenSpace(FILLED)
         self.renderer.ResetCameraClippingRange()
+        self._whole = self._looks()
         self.draw()
+
+    def _take_size(self) -> None:
+        """Everything fills a new size, unless somebody has chosen what to look at."""
+        if self._whole in (None, self._looks()):
+            self.look_at_all()
+
+    def _looks(self) -> tuple[Any, ...]:
+        """From where to where, which way is up, and how much is seen."""
+        camera = self.renderer.GetActiveCamera()
+        way = (*camera.GetPosition(), *camera.GetFocalPoint(), *camera.GetViewUp())
+        return (*way, camera.GetParallelScale())
 
     def look_from(self, side: str) -> None:
         """Show what is in the middle now from one of the `SIDES`."""
@@ -172,7 +185,7 @@ class _Area(VtkRemoteControlledArea):
         super().__init__(window)
         self._window = window
         self._on_click, self._is_taken = on_click, False
-        self._on_new_size, self._is_touched = on_new_size, False
+        self._on_new_size = on_new_size
 
     def picture(self, isCoarse: bool) -> tuple[np.ndarray, int, int]:
         """Colors (rows, columns, 3), columns and rows of a frame."""
@@ -187,12 +200,10 @@ class _Area(VtkRemoteControlledArea):
 
     def process_resize_event(self, width: int, height: int) -> None:
         super().process_resize_event(width, height)
-        if not self._is_touched:  # nobody has chosen what to look at
-            self._on_new_size()
+        self._on_new_size()
 
     def process_interaction_event(self, event: dict[str, Any]) -> None:
         kind = event.get("type", "")
-        self._is_touched |= kind.endswith(("Press", "Wheel", "Pinch"))
         if kind == "LeftButtonPress" and self._on_click(event.get("x", 0), event.get("y", 0)):
             self._is_taken = True
         elif self._is_taken:  # the scene has not heard of the press, so nothing of the rest

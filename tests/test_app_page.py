@@ -202,7 +202,8 @@ class Visit:
         """Wait until the view's picture is as large as the view: that may take its time."""
         for _attempt in range(500):
             screen = self.page.locator(".screen").bounding_box()
-            if self.picture().shape == (screen["height"], screen["width"]):
+            size = np.array([screen["height"], screen["width"]])
+            if np.abs(self.picture().shape - size).max() < 1:
                 return
             self.page.wait_for_timeout(200)
         raise AssertionError(f"the view is {screen}, its picture {self.picture().shape}")
@@ -703,6 +704,36 @@ def test_a_segment_and_a_mesh_of_ones_own_are_kept_by_the_browser(a_visit, the_f
     playwright.expect(a_visit.named("said")).to_have_text("Wrote network.json.")
     playwright.expect(a_visit.named("said")).to_be_in_viewport(ratio=1)
     assert [text for text in a_visit.page.evaluate("window.texts") if "sdfstent-" in text] == []
+
+
+def test_a_window_of_another_size_shows_what_was_looked_at(a_visit):
+    def middle():
+        a_visit.until_drawn()
+        picture = a_visit.picture()
+        (down, across), side = np.array(picture.shape) // 2, picture.shape[0] // 4
+        return picture[down - side : down + side, across - side : across + side].mean()
+
+    size = a_visit.page.viewport_size
+    a_visit.click_lesion()
+    a_visit.add_stent()
+    a_visit.named("deployButton").click()
+    a_visit.until("certificateLabel", "Certified")
+    a_visit.named("fitButton").click()
+    whole = middle()
+    a_visit.click_lesion()
+    a_visit.seen(is_selected_lesion)
+    chosen = middle()
+    assert abs(chosen - whole) > 0.05
+    a_visit.page.set_viewport_size({"width": size["width"], "height": size["height"] - 120})
+    assert middle() == pytest.approx(chosen, abs=0.02)
+    a_visit.page.set_viewport_size(size)
+    assert middle() == pytest.approx(chosen, abs=0.02)
+    a_visit.named("fitButton").click()
+    a_visit.page.set_viewport_size({"width": size["width"], "height": size["height"] - 120})
+    shrunk = middle()
+    a_visit.named("fitButton").click()
+    assert middle() == pytest.approx(shrunk, abs=0.01)
+    a_visit.page.set_viewport_size(size)
 
 
 def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
