@@ -135,6 +135,26 @@ def test_blood_that_speeds_up_into_a_branch_loses_only_what_moves_across():
     assert lost == pytest.approx(RHO * (first * np.sin(np.radians(45))) ** 2, rel=0.02)
 
 
+@pytest.mark.parametrize("wider", [0.2, 0.4, -0.3])
+def test_blood_hardly_faster_than_its_branch_costs_what_blood_as_fast_does(wider):
+    """It ran along the wall wherever that went, where blood as fast as its branch parts from it."""
+    x = np.linspace(0, 60, 241)
+    shape = 1 + wider * np.exp(-(((x - 30) / 6) ** 2))
+
+    def costs(diameter):
+        """Friction, mixing and jet of half the flow of a tube of 10 mm."""
+        made = []
+        for start, size, above in ((0, 10 + 0 * x, -1), (60, diameter * shape, 0)):
+            line = np.column_stack([0 * x, 0 * x, start + x])
+            made.append(Channel(line, start + x, size, size, np.zeros(241, dtype=int), x, above))
+        widths = [Widths(one.inscribed, one.inscribed) for one in made]
+        found = blocks_of(made, widths, Stream(np.array([1e-5, 5e-6]), np.zeros(2)))[1]
+        return np.array([found.friction[-1], found.mixing[-1], found.jet[-1]])
+
+    found = np.array([costs(share * 10 * 0.5**0.5) for share in np.linspace(0.995, 1.005, 21)])
+    assert np.abs(np.diff(found, axis=0) / found[1:]).max() < 0.01
+
+
 @pytest.mark.parametrize("seed", seeds(20, 100))
 def test_a_branch_that_is_dilated_takes_no_smaller_share(seed):
     """Of a fork whose outlets resist as before; narrowings of two fifths and more."""

@@ -303,23 +303,27 @@ def _jets(
         above = way.above[number]
         last = way.starts[above + 1] - 1
         speed = jets[last] * flow[above] / flow[number] if above >= 0 else 0.0
-        jet, lost = max(speed * math.cos(turns[number]), even[start]), 0.0
-        jets.append(jet)
+        # Faster than the wall's blood are what comes from above, and what has parted from the wall.
+        brought, parted = max(speed * math.cos(turns[number]) - even[start], 0.0), 0.0
+        lost = 0.0
+        jets.append(even[start] + brought)
         losses.append(lost)
         across.append((speed * math.sin(turns[number])) ** 2 / 2)
-        has_parted = False
         for k in range(start, end - 1):
             to = even[k + 1]
-            is_jet = jet > even[k]
-            has_parted = has_parted or not is_jet
-            excess = max(jet - to, 0.0) * (1.0 if is_jet else 1 - clings[k])
-            jet = to
-            if excess > 0 and has_parted:
-                jet += excess
-                jet = max(jet * math.exp(-4 * spread[k] / (1 - stands[k + 1] / jet)), to)
-            elif excess > 0:
-                jet += excess * math.exp(-SETTLES * spread[k])
-            lost += (excess**2 - (jet - to) ** 2) / 2
-            jets.append(jet)
+            slower = even[k] - to
+            if slower > 0:
+                parted += slower * (1.0 if parted > 0 else 1 - clings[k])
+            elif brought + parted > 0:  # the wall's blood overtakes both
+                left = max(1 + slower / (brought + parted), 0.0)
+                brought, parted = left * brought, left * parted
+            excess = brought + parted
+            if parted > 0:
+                jet = to + parted
+                jet *= math.exp(-4 * spread[k] / (1 - stands[k + 1] / jet))
+                parted = max(jet - to, 0.0)
+            brought *= math.exp(-SETTLES * spread[k])
+            lost += (excess**2 - (brought + parted) ** 2) / 2
+            jets.append(to + brought + parted)
             losses.append(lost)
     return np.array(jets), np.array(losses), across
