@@ -60,13 +60,13 @@ class LesionMarks:
     def plot(self, index):
         """Show how wide one of them is along the vessel, unless the user looks at a plot of his own."""
         lesion, former = self._lesions[index], self._chart
-        vessel, healthy = "Before (mm)", _("Healthy vessel (mm)")
+        red, _blue, dark = Results.SERIES.values()
         self._chart = createChart(
             _("Lesion {number}: red lumen, dashed healthy vessel").format(number=index + 1),
             (_("From the root (mm)"), lesion.start + lesion.line.arc_lengths),
             {
-                vessel: (lesion.diameters, Results.SERIES[vessel]),
-                healthy: (lesion.healthy, HEALTHY_COLOR),
+                _("Lumen (mm)"): (lesion.diameters, red),
+                _("Healthy vessel (mm)"): (lesion.healthy, dark),
             },
         )
         Display.offerChart(self._chart[-1])
@@ -86,8 +86,6 @@ def _locked(node):
     return node
 
 
-HEALTHY_COLOR = (0.3, 0.3, 0.3)
-"""In the plot; as of a prescribed diameter."""
 SETTLE_MS = 250
 """The vessel has to rest so long, so that nothing is searched while it is being edited."""
 
