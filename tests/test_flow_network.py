@@ -33,6 +33,7 @@ from SDFStentLib.flow.spans import Piece, drop_over
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
 from SDFStentLib.phantoms import (
+    arch_with_coarctation,
     branching_pulmonary_artery,
     stenosed_tube,
     straight_tube,
@@ -303,6 +304,22 @@ def test_stenosed_tubes_cost_what_the_navier_stokes_equations_say(depth, length)
         static = LOWEST[depth, length][flow]
         assert drop.maximal.value == pytest.approx(static, rel=0.15)
         assert drop.maximal.low < static < drop.maximal.high
+
+
+ARCH = {60 / 4.2: 1.012, 30: 4.08, 60 / 1.4: 8.06}
+"""Static drops to the throat of the arch by mL/s, mmHg, on which two meshes of hexahedra agree."""
+
+
+def test_a_narrowing_behind_a_bend_costs_what_the_navier_stokes_equations_say():
+    phantom = arch_with_coarctation()
+    channels = channels_of(phantom.surface, phantom.centerline)
+    line = channels[0].points
+    near = np.linalg.norm(line - phantom.throat.point, axis=1) <= 15
+    for flow, reference in ARCH.items():
+        model = FlowModel(channels, known_flow(flow))
+        maximal = model.answer(None, [Part("throat", line[near])]).before["mean"].drops[0].maximal
+        assert maximal.value == pytest.approx(reference, rel=0.1)
+        assert maximal.low < reference < maximal.high
 
 
 @pytest.fixture(scope="module")
