@@ -313,7 +313,8 @@ def _jets(
             to = even[k + 1]
             slower = even[k] - to
             if slower > 0:
-                parted += slower * (1.0 if parted > 0 else 1 - clings[k])
+                # Where blood stands round a jet, as in this share of the section, none clings.
+                parted += slower * (1 - clings[k] * even[k] / (even[k] + brought + parted))
             elif brought + parted > 0:  # the wall's blood overtakes both
                 left = max(1 + slower / (brought + parted), 0.0)
                 brought, parted = left * brought, left * parted
