@@ -155,6 +155,24 @@ class PanelState:
         selector.setCurrentSegmentID(parameterNode.segmentID)
         selector.blockSignals(wasBlocked)
 
+    @staticmethod
+    def chooseOnly(parameterNode):
+        """Choose the only wall and the only lines of a scene, where nothing is chosen: there is nothing to ask."""
+        models = slicer.util.getNodesByClass("vtkMRMLModelNode")
+        inputs = [
+            one
+            for one in models
+            if not one.GetHideFromEditors() and one.GetAttribute(Outputs.ATTRIBUTE) is None
+        ]
+        walls, lines = (
+            [one for one in inputs if isIt(one)]
+            for isIt in (Conversion.hasWall, Conversion.hasLines)
+        )
+        isChosen = parameterNode.vessel is not None or parameterNode.centerline is not None
+        others = slicer.util.getNodesByClass("vtkMRMLSegmentationNode")
+        if not isChosen and len(walls) == len(lines) == 1 and walls != lines and not others:
+            parameterNode.vessel, parameterNode.centerline = walls[0], lines[0]
+
     def offer(self, parameterNode):
         """Offer no results, lines or walls where they are no inputs, unless one is chosen already. An empty model may become either."""
         models = slicer.util.getNodesByClass("vtkMRMLModelNode")

@@ -84,6 +84,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
 
     def enter(self):
         self.initializeParameterNode()
+        self._state.chooseOnly(self._parameterNode)
 
     def exit(self):
         self.setParameterNode(None)

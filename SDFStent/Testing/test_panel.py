@@ -217,3 +217,24 @@ def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):
     aStent.ui.diameterSlider.value = 9.0
     settle(host, aStent)
     assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
+
+
+def test_the_only_vessel_and_centerline_are_chosen_when_the_module_is_entered(
+    host, aPanel, aVessel, aScene
+):
+    parameters, (vessel, centerline) = aPanel._parameterNode, aVessel
+    assert parameters.vessel is None
+    host.leave(aPanel)
+    another = aScene.AddNewNodeByClass("vtkMRMLModelNode", "Another wall")
+    another.SetAndObservePolyData(vessel.GetPolyData())
+    host.enter(aPanel)
+    assert aPanel._parameterNode.vessel is aPanel._parameterNode.centerline is None  # which one?
+    host.leave(aPanel)
+    aScene.RemoveNode(another)
+    host.enter(aPanel)
+    parameters = aPanel._parameterNode
+    assert (parameters.vessel, parameters.centerline) == (vessel, centerline)
+    parameters.vessel = None
+    host.leave(aPanel)
+    host.enter(aPanel)
+    assert aPanel._parameterNode.vessel is None  # the user's choice, once there is one
