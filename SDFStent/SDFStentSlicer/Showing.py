@@ -212,6 +212,6 @@ def followPlan(left, shown):
     if None not in (table, shown.outputTable) and selection.GetActiveTableID() == table.GetID():
         activateTable(shown.outputTable)
     active = slicer.mrmlScene.GetNodeByID(selection.GetActivePlotChartID() or "")
-    isOfLesion = active is not None and active.GetHideFromEditors()
-    if shown.outputChart is not None and active is not None and (active is chart or isOfLesion):
+    isFree = active is None or active is chart  # that of a lesion goes with the plan that is left
+    if shown.outputChart is not None and isFree:
         activateChart(shown.outputChart)

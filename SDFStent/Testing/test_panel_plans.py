@@ -139,6 +139,21 @@ def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
         assert [line.GetName() for line in lines] == list(SERIES)  # as a pointer tells them
 
 
+def test_a_plan_without_a_result_has_the_plot_of_a_lesion_and_one_with_it_its_own(host, aPlan):
+    ui, first = aPlan.ui, aPlan._parameterNode
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    deploy(host, aPlan)
+    host.click(ui.duplicatePlanButton)
+    host.processUntil(lambda: not aPlan.lesions.isBusy)
+    assert aPlan._parameterNode.outputChart is None
+    ui.lesionTable.selectRow(0)
+    shown = slicer.mrmlScene.GetNodeByID(selection.GetActivePlotChartID())
+    assert shown.GetTitle().startswith("Lesion 1:")
+    ui.planTable.selectRow(0)
+    assert aPlan._parameterNode is first
+    assert selection.GetActivePlotChartID() == first.outputChart.GetID()
+
+
 def test_the_plot_of_a_plan_that_is_not_shown_is_weak(host, aPlan):
     deploy(host, aPlan)
     line = aPlan._parameterNode.outputChart.GetNthPlotSeriesNode(0)
