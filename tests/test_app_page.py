@@ -721,8 +721,10 @@ def test_a_window_of_another_size_shows_what_was_looked_at(a_visit):
     a_visit.named("fitButton").click()
     whole = middle()
     a_visit.click_lesion()
-    a_visit.seen(is_selected_lesion)
-    chosen = middle()
+    for _attempt in range(100):  # the view goes there a moment later
+        chosen = middle()
+        if abs(chosen - whole) > 0.05:
+            break
     assert abs(chosen - whole) > 0.05
     a_visit.page.set_viewport_size({"width": size["width"], "height": size["height"] - 120})
     assert middle() == pytest.approx(chosen, abs=0.02)
