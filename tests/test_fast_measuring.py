@@ -217,7 +217,7 @@ def test_a_followed_section_is_that_of_a_new_cut():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_section_holds_a_place_where_an_independent_test_says_so(seed):
-    """Prisms over random stars, cut aslant too, whose walls fold so that rays cross them often."""
+    """Prisms over random stars, whose walls fold so that rays cross them often."""
     from matplotlib.path import Path
 
     random = np.random.default_rng(seed)

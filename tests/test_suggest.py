@@ -163,23 +163,43 @@ def test_a_stent_is_held_against_the_healthy_vessel_at_its_ends_and_where_that_i
     np.testing.assert_allclose(healthy, found, equal_nan=True)
 
 
-def test_a_stent_for_a_lesion_across_a_junction_warns_of_no_choice_there():
-    """The branch is the lesion's; the proposal itself was warned of when it was carried out."""
+def a_lesion_along(points, start, narrowest):
+    """A lesion of a vessel that runs along z, whose points they are, 1 mm apart."""
+    return replace(
+        a_lesion_of(8.0, 8.0),
+        line=Line(points),
+        start=start,
+        end=start + len(points) - 1.0,
+        arc_length=narrowest,
+        point=(0, 0, narrowest),
+        healthy=np.full(len(points), 8.0),
+    )
+
+
+def a_lesion_across_a_junction():
+    """It and its tree: a branch leaves at 30 mm, the lesion lies from 23 to 33."""
     main, side = np.linspace((0, 0, 0), (0, 0, 60), 61), np.linspace((1, 0, 30), (20, 0, 30), 20)
     parent = np.r_[np.arange(61) - 1, 30, np.arange(61, 80)]
     tree = Centerline(np.concatenate([main, side]), np.full(81, 3.0), parent)
-    lesion = replace(
-        a_lesion_of(8.0, 8.0),
-        line=Line(main[23:34]),
-        start=23.0,
-        end=33.0,
-        arc_length=28.0,
-        point=(0, 0, 28),
-    )
-    place = placement_at(replace(lesion, healthy=np.full(11, 8.0)), tree, 10.0, 0.0)
-    axis = stent_axis(Stent(8.0, placement=place, length=10.0, foreshortening_fraction=0), tree)
+    return a_lesion_along(main[23:34], 23.0, 28.0), tree
+
+
+def axis_at(lesion, tree, length):
+    """Of a stent of that length, which does not shorten, placed at a lesion."""
+    place = placement_at(lesion, tree, length, 0.0)
+    return stent_axis(Stent(8.0, placement=place, length=length, foreshortening_fraction=0), tree)
+
+
+def test_a_stent_for_a_lesion_across_a_junction_warns_of_no_choice_there():
+    """The branch is the lesion's; the proposal itself was warned of when it was carried out."""
+    axis = axis_at(*a_lesion_across_a_junction(), 10.0)
     assert axis.warnings == ()
     np.testing.assert_allclose(axis.points[[0, -1], 2], [23, 33])
+
+
+def test_a_long_stent_across_a_junction_reaches_as_far_beyond_its_lesion_on_both_sides():
+    axis = axis_at(*a_lesion_across_a_junction(), 30.0)
+    np.testing.assert_allclose(axis.points[[0, -1], 2], [13, 43])
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -188,37 +208,10 @@ def test_a_short_stent_is_as_near_to_the_middle_as_the_narrowest_place_lets_it(s
     random = np.random.default_rng(seed)
     tree = Centerline(np.linspace((0, 0, 0), (0, 0, 60), 61), np.full(61, 4.0), np.arange(61) - 1)
     length, narrowest = random.uniform(4, 20), random.uniform(10, 40)
-    lesion = replace(
-        a_lesion_of(8.0, 8.0),
-        line=Line(tree.points[10:41]),
-        start=10.0,
-        end=40.0,
-        arc_length=narrowest,
-        point=(0, 0, narrowest),
-        healthy=np.full(31, 8.0),
-    )
-    stent = Stent(8.0, placement=placement_at(lesion, tree, length, 0.0), length=length)
-    middle = stent_axis(replace(stent, foreshortening_fraction=0.0), tree).points[[0, -1], 2].mean()
+    lesion = a_lesion_along(tree.points[10:41], 10.0, narrowest)
+    middle = axis_at(lesion, tree, length).points[[0, -1], 2].mean()
     expected = sorted([narrowest - length / 4, 25.0, narrowest + length / 4])[1]
     assert middle == pytest.approx(expected, abs=1e-6)
-
-
-def test_a_long_stent_across_a_junction_reaches_as_far_beyond_its_lesion_on_both_sides():
-    main, side = np.linspace((0, 0, 0), (0, 0, 60), 61), np.linspace((1, 0, 30), (20, 0, 30), 20)
-    parent = np.r_[np.arange(61) - 1, 30, np.arange(61, 80)]
-    tree = Centerline(np.concatenate([main, side]), np.full(81, 3.0), parent)
-    lesion = replace(
-        a_lesion_of(8.0, 8.0),
-        line=Line(main[23:34]),
-        start=23.0,
-        end=33.0,
-        arc_length=28.0,
-        point=(0, 0, 28),
-        healthy=np.full(11, 8.0),
-    )
-    stent = Stent(8.0, placement=placement_at(lesion, tree, 30.0, 0.0), length=30.0)
-    axis = stent_axis(replace(stent, foreshortening_fraction=0.0), tree)
-    np.testing.assert_allclose(axis.points[[0, -1], 2], [13, 43])
 
 
 def test_a_device_gives_its_own_length_and_one_that_is_too_short_is_refused(a_vessel):

@@ -9,6 +9,7 @@ from slicer.i18n import tr as _
 from SDFStentLib.validation import InputError
 
 from . import (
+    Charts,
     Comparing,
     Conversion,
     Dependencies,
@@ -222,7 +223,7 @@ class Alternatives:
         for other in others:
             Showing.followPlan(other, parameterNode)
             if other.outputChart is not None:
-                Display.fadeChart(other.outputChart, True)
+                Charts.fadeChart(other.outputChart, True)
 
     def compare(self, parameterNode, folder):
         """Carry out all plans for the vessel and write them side by side into a new folder in `folder`.

@@ -27,15 +27,6 @@ DRAWN_ATTRIBUTE = "SDFStent.DrawnAs"
 STRUT_WIDTH = 3
 """Pixels."""
 
-TABLE_DECIMALS = 3
-"""Of mm."""
-
-TITLE_SIZE = 14
-"""Points; less than Slicer's, for a sentence."""
-
-OLD_OPACITY = 0.25
-"""Of a plot."""
-
 VIEW_LENGTHS, SMALLEST_VIEW = 3.0, 30.0
 """So many times the length of a lesion or a stent are seen when it is gone to, and so many mm at least."""
 
@@ -44,7 +35,7 @@ def outputModel(parameterNode, role, name, color):
     """The model node of a role: the one in use where it was made for this, or a new one."""
     node = getattr(parameterNode, role)
     if not Outputs.isUsable(parameterNode, role, node):
-        node = _addOutput(parameterNode, "vtkMRMLModelNode", name)
+        node = addOutput(parameterNode, "vtkMRMLModelNode", name)
         node.SetAttribute(Outputs.ATTRIBUTE, role)
         setattr(parameterNode, role, node)
     if node.GetDisplayNode() is None:
@@ -54,7 +45,7 @@ def outputModel(parameterNode, role, name, color):
     return node
 
 
-def _addOutput(parameterNode, className, name):
+def addOutput(parameterNode, className, name):
     """A new node in the folder of the parameter set's results."""
     scene = parameterNode.parameterNode.GetScene()
     node = scene.AddNewNodeByClass(className, scene.GenerateUniqueName(name))
@@ -255,98 +246,6 @@ def _mapColors(scene):
         ):
             transfer.AddRGBPoint(255 * at, *color)
     return node
-
-
-def fillTable(parameterNode, columns):
-    """The table of diameters: `columns` maps a title to (values, unit)."""
-    node, isNew = parameterNode.outputTable, parameterNode.outputTable is None
-    if isNew:
-        node = _addOutput(parameterNode, "vtkMRMLTableNode", _("Stent diameters"))
-        parameterNode.outputTable = node
-        node.SetUseColumnTitleAsColumnHeader(True)
-        node.SetLocked(True)  # what somebody changes in it would be drawn as measured
-    shown = [np.round(values, TABLE_DECIMALS) for values, _unit in columns.values()]
-    with slicer.util.NodeModify(node):  # a plot that is shown must not see it without its columns
-        slicer.util.updateTableFromArray(node, shown, list(columns))
-        for title, (_values, unit) in columns.items():
-            node.SetColumnUnitLabel(title, unit)
-            node.SetColumnTitle(title, title.removesuffix(f" ({unit})"))  # the view adds the unit
-    if isNew and _isFree(_selection().GetActiveTableID()):
-        Showing.activateTable(node)
-    return node
-
-
-def _selection():
-    return slicer.app.applicationLogic().GetSelectionNode()
-
-
-def _isFree(shownID):
-    """Whether a new plot or table may take the place of a node in the views: none is there, a mark, or that of another plan."""
-    shown = slicer.mrmlScene.GetNodeByID(shownID or "")
-    return shown is None or shown.GetHideFromEditors() or resultsFolder(shown) != 0
-
-
-def showChart(parameterNode, x, series, dashed, top):
-    """The plot chart over the table's column `x` from 0 to `top`: `series` maps a column to its color, one is dashed."""
-    chart, isNew = parameterNode.outputChart, parameterNode.outputChart is None
-    if isNew:
-        chart = _addOutput(parameterNode, "vtkMRMLPlotChartNode", _("Stent diameters chart"))
-        chart.SetXAxisTitle(_("From the proximal end (mm)"))
-        chart.SetYAxisTitle(_("Diameter (mm)"))
-        for column, color in series.items():
-            node = _addOutput(parameterNode, "vtkMRMLPlotSeriesNode", column)
-            node.SetName(column)  # as the pointer tells it, also of the second plan
-            styleSeries(node, color, column == dashed)
-            chart.AddAndObservePlotSeriesNodeID(node.GetID())
-        parameterNode.outputChart = chart
-    showFromZero(chart, top)
-    for index, column in enumerate(series):
-        node = chart.GetNthPlotSeriesNode(index)
-        if node is not None:
-            drawColumns(node, parameterNode.outputTable, x, column)
-    if isNew:
-        offerChart(chart)
-    return chart
-
-
-def offerChart(chart):
-    """Show a new chart, unless the user looks at one of his own."""
-    if _isFree(_selection().GetActivePlotChartID()):
-        Showing.activateChart(chart)
-
-
-def styleSeries(node, color, isDashed):
-    """A line without points; a dashed one is seen over another that agrees with it."""
-    node.SetPlotType(slicer.vtkMRMLPlotSeriesNode.PlotTypeScatter)
-    node.SetMarkerStyle(slicer.vtkMRMLPlotSeriesNode.MarkerStyleNone)
-    node.SetColor(*color)
-    node.SetLineWidth(3)
-    if isDashed:
-        node.SetLineStyle(slicer.vtkMRMLPlotSeriesNode.LineStyleDash)
-
-
-def drawColumns(node, table, x, y):
-    """Let a series draw a column of a table over another."""
-    with slicer.util.NodeModify(node):
-        node.SetAndObserveTableNodeID(table.GetID())
-        node.SetXColumnName(x)
-        node.SetYColumnName(y)
-
-
-def showFromZero(chart, top):
-    """Diameters are compared from 0 on. The title tells the lines apart: a legend would lie over them."""
-    chart.SetYAxisRangeAuto(False)
-    chart.SetYAxisRange(0.0, top)
-    chart.SetLegendVisibility(False)
-    chart.SetTitleFontSize(TITLE_SIZE)
-
-
-def fadeChart(chart, isOld):
-    """Draw the lines of a chart weakly where they are of another plan, or of none."""
-    for index in range(chart.GetNumberOfPlotSeriesNodes()):
-        series = chart.GetNthPlotSeriesNode(index)
-        if series is not None:
-            series.SetOpacity(OLD_OPACITY if isOld else 1.0)
 
 
 def showPlace(point, size):

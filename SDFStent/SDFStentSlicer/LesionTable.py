@@ -6,9 +6,10 @@ from slicer.i18n import tr as _
 from SDFStentLib.report import degree_word, lesion_sentences
 from SDFStentLib.vessel import SMALLEST_DEGREE
 
-from . import Clock, Display, Results
+from . import Clock, Results
+from .Charts import createChart
 from .Handles import CURVE, POINTS
-from .Marks import createChart, createMark, removeMark
+from .Marks import createMark, removeMark
 from .PanelParts import fitColumns
 from .Portions import SteppedRun
 
@@ -69,7 +70,6 @@ class LesionMarks:
                 _("Healthy vessel (mm)"): (lesion.healthy, dark),
             },
         )
-        Display.offerChart(self._chart[-1])
         for node in former:
             removeMark(node)
 

@@ -10,7 +10,7 @@ from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
 from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
 from SDFStentLib.validation import one_line, printable
 
-from . import Conversion, Display, Flow, Outputs, Showing, Sizes, Tiles
+from . import Charts, Conversion, Flow, Outputs, Showing, Sizes, Tiles
 from .PanelParts import cut
 from .ParameterNode import (
     METHOD_PARAMETERS,
@@ -264,7 +264,7 @@ class PanelState:
         )
         if parameterNode.outputChart is not None:
             isTold = bool(parameterNode.certificateSummary)
-            Display.fadeChart(parameterNode.outputChart, isOld or not isTold)
+            Charts.fadeChart(parameterNode.outputChart, isOld or not isTold)
         instead = _("seen before the stents") if isBefore else ""
         instead = _("changed since; not deployed yet") if isOld else instead
         self.atHand.show(parameterNode.atHand, instead)

@@ -31,7 +31,7 @@ from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautio
 from SDFStentLib.validation import InputError, one_line
 from SDFStentLib.vessel import lesions_within
 
-from . import Conversion, Display, Showing
+from . import Charts, Conversion, Display, Showing
 from .ParameterNode import SurfaceMap
 
 SERIES = {
@@ -309,14 +309,12 @@ def showProfile(parameterNode, run):
         "Equivalent before (mm)": before.equivalent_diameter,
         "Equivalent after (mm)": after.equivalent_diameter,
     }
-    table = Display.fillTable(
+    table = Charts.fillTable(
         parameterNode, {title: (values, "mm") for title, values in columns.items()}
     )
     table.SetDescription(_("Diameters along {label}, proximal to distal").format(label=title))
     largest = max(np.nanmax(columns[name], initial=0.0) for name in SERIES)
-    chart = Display.showChart(
-        parameterNode, POSITION, SERIES, dashed="Prescribed (mm)", top=1.1 * largest
-    )
+    chart = Charts.showChart(parameterNode, POSITION, SERIES, top=1.1 * largest)
     chart.SetTitle(_("{label}: red before, blue after, dashed prescribed").format(label=title))
 
 

@@ -8,7 +8,7 @@ from slicer.util import VTKObservationMixin
 from . import Clock, Conversion, Showing, Sizes
 from .Dragging import VIEW_ATTRIBUTE
 from .Handles import COLOR, POINTS
-from .Marks import createMark, createTube, removeMark
+from .Marks import createMark, createTube, removeMark, showTube
 from .ParameterNode import Placement, stentOf
 
 SETTLE_MS = 100
@@ -106,11 +106,14 @@ class StentEnds(VTKObservationMixin):
         self._logic.leadEnds(self._parameterNode, self._node)
 
     def _showTube(self):
-        removeMark(self._tube)
         lying = self._logic.stentLying(self._parameterNode)
-        if lying is not None and not self._logic.showsPlan(self._parameterNode):
-            stent, axis = lying
-            self._tube = createTube(_("Planned stent"), axis, stent.widest_diameter / 2)
+        if lying is None or self._logic.showsPlan(self._parameterNode):
+            removeMark(self._tube)
+            return
+        if self._tube is None or self._tube.GetScene() is None:
+            self._tube = createTube(_("Planned stent"))
+        stent, axis = lying
+        showTube(self._tube, axis, stent.widest_diameter / 2)
 
     def _create(self, ends):
         self._node = createMark(POINTS, _("Ends of the stent"), ends)
