@@ -43,8 +43,11 @@ def test_what_nobody_waits_for_ends_before_the_full_method_begins(host, aStent):
 
 def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, monkeypatch):
     """In the application there is a frame in every turn while a hand drags: with a turn between, it shows nothing new."""
+    from SDFStentSlicer import Clock
     from SDFStentSlicer.Previewing import Previewing
 
+    # A turn has the time that a preview takes, however slow the machine.
+    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (4.0, 4.0))
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     parameters = aStent._parameterNode
