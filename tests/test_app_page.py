@@ -390,7 +390,7 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     plot = visit.page.locator(".results figure")
     playwright.expect(plot).to_contain_text("Lesion 1: red lumen, dashed healthy vessel")
     playwright.expect(plot.locator("path")).to_have_count(2)
-    clicks = ("lesionTable", "tbody td"), ("suggestButton", None), ("autoUpdateCheckBox", "input")
+    clicks = ("lesionTable", "tbody td"), ("suggestButton", None)
     for name, inside in clicks:  # and a drag: from the vessel to the result
         one = visit.named(name)
         one = one.locator(inside).first if inside else one

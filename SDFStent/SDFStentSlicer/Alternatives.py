@@ -41,6 +41,7 @@ COPIED = (
     "showStents",
     "showDevice",
     "deviceMesh",
+    "autoUpdate",
     "segmentEnds",
     "closeBranches",
     "planDocument",
@@ -105,7 +106,7 @@ class Alternatives:
         plan = parameterNode if isEmpty else self.addParameterSet(Path(path).stem)
         try:
             if not isEmpty:
-                for name in ("vessel", "segmentID", "centerline"):
+                for name in ("vessel", "segmentID", "centerline", "autoUpdate"):
                     setattr(plan, name, getattr(parameterNode, name))
             self.loadPlan(path, plan)
         except Exception:

@@ -214,7 +214,7 @@ class SDFStentParameterNode:
     suggestMargin: Annotated[float, _within("suggestMargin")] = SizingWishes().margin
     method: MethodParameters
 
-    autoUpdate: bool = False
+    autoUpdate: bool = True
     expansion: Annotated[float, WithinRange(0.0, 100.0)] = 100.0
     map: SurfaceMap = SurfaceMap.NONE
     flowMean: Annotated[float, _within("flowMean")] = 0.0

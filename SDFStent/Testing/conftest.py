@@ -102,8 +102,9 @@ def aScene(host, theModule):
 
 @pytest.fixture
 def aPanel(host, aScene, theModule):
-    """The module's panel, entered."""
+    """The module's panel, entered, without *Live*: where a click tells of itself, nothing is deployed before it."""
     panel = host.openPanel(theModule)
+    panel.ui.autoUpdateCheckBox.checked = False
     yield panel
     host.closePanel(panel)
 

@@ -172,7 +172,6 @@ def movingPicture(studio):
 
     host.click(panel.ui.addStentButton)
     panel.ui.diameterSlider.value, panel.ui.lengthSlider.value = 7.0, 14.0
-    panel.ui.autoUpdateCheckBox.checked = True
     settle(host, panel)
     tree = panel.logic.centerlineOf(panel._parameterNode)
     way = tree.path_around(theThroat(), 34.0).points
@@ -223,6 +222,7 @@ def main(folder):
     ui.lesionTable.selectRow(0)
     host.click(ui.addStentButton)
     ui.diameterSlider.value, ui.lengthSlider.value = 7.0, 14.0
+    settle(host, panel)
     studio.take("tutorial-2-stent.png", "stents")
 
     host.click(ui.deployButton)

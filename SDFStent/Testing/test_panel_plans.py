@@ -76,7 +76,7 @@ def test_a_duplicate_names_every_parameter_that_is_no_result(theModule):
     from SDFStentSlicer.Alternatives import COPIED
     from SDFStentSlicer.ParameterNode import SDFStentParameterNode
 
-    own = {"stents", "method", "stent", "selected", "autoUpdate", "expansion", "status"}
+    own = {"stents", "method", "stent", "selected", "expansion", "status"}
     results = {name for name in SDFStentParameterNode.allParameters if name.startswith("output")}
     results |= {"rightBranch", "lumenSummary", "certificateSummary", "warningSummary", "tiles"}
     results |= {"atHand"}
