@@ -407,13 +407,21 @@ class Page:
     def point(self, station: Any) -> None:
         """Show in the view how wide the vessel is at a station of the plot; at none without such a number."""
         self._pointed = station if type(station) is int else -1
-        run = self.widget.logic.lastRun(self.parameters)
-        result = None if run is None else run.result
-        profile = None if result is None else result.stents[run.shownStent or 0].around_after
-        isThere = profile is not None and 0 <= self._pointed < len(profile.centers)
-        center = profile.centers[self._pointed] if isThere else None
-        diameter = profile.inscribed_diameter[self._pointed] if isThere else np.nan
+        centers, diameters = self._plotted()
+        isThere = 0 <= self._pointed < len(centers)
+        center = centers[self._pointed] if isThere else None
+        diameter = diameters[self._pointed] if isThere else np.nan
         self.view.mark(center if np.isfinite(diameter) else None, diameter)
+
+    def _plotted(self) -> tuple[Any, Any]:
+        """Where the stations of the plot are (k, 3), and how wide the vessel is there (k,), mm."""
+        run, lesion = self.widget.logic.lastRun(self.parameters), self.widget.lesions.plotted
+        if self.parameters.outputChart is None and lesion is not None:
+            return lesion.line.points, lesion.diameters
+        if run is None or run.result is None:
+            return (), ()
+        profile = run.result.stents[run.shownStent or 0].around_after
+        return profile.centers, profile.inscribed_diameter
 
     def picture(self) -> None:
         """What the view shows, for the browser to keep."""

@@ -22,16 +22,17 @@ GLYPH, TEXT = 1.5, 4.0
 
 
 class LesionMarks:
-    """Markups to look at only, which nobody can move, and a plot of one of them."""
+    """Markups to look at only, which nobody can move, and a plot of one of them, the lesion `plotted`."""
 
     def __init__(self):
         self._lesions, self._numbers, self._extent, self._chart = (), None, None, []
+        self.plotted = None
 
     def show(self, lesions):
         """Mark the library's lesions in place of all former ones; none of them is selected."""
         for node in (self._numbers, *self._chart):
             removeMark(node)
-        self._lesions, self._numbers, self._chart = lesions, None, []
+        self._lesions, self._numbers, self._chart, self.plotted = lesions, None, [], None
         if lesions:
             texts = [f"  {number}" for number in range(1, len(lesions) + 1)]
             points = [lesion.point for lesion in lesions]
@@ -61,6 +62,7 @@ class LesionMarks:
     def plot(self, index):
         """Show how wide one of them is along the vessel, unless the user looks at a plot of his own."""
         lesion, former = self._lesions[index], self._chart
+        self.plotted = lesion
         red, _blue, dark = Results.SERIES.values()
         self._chart = createChart(
             _("Lesion {number}: red lumen, dashed healthy vessel").format(number=index + 1),
@@ -125,6 +127,11 @@ class LesionTable:
     def chart(self):
         """The plot chart of a lesion, None without."""
         return self._marks.chart
+
+    @property
+    def plotted(self):
+        """The lesion of that plot, None without."""
+        return self._marks.plotted
 
     def follow(self, parameterNode):
         """Show the lesions of a parameter node's vessel, or of none; called whenever its inputs may have changed.
