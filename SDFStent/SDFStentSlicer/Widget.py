@@ -37,7 +37,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
         self.logic = logic
-        self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
+        self.session = self.stents = self.table = self.lesions = self.plans = self._state = self._size = None
         self._parameterNode = self._binding = self._lastSet = self._leavings = None
         self._present, self._chosen = [], None
         self._inputs = InputWatch(
@@ -58,7 +58,8 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
-        self._state = PanelState(self.ui, self.logic, self.session, PanelSize(uiWidget))
+        self._size = PanelSize(uiWidget)
+        self._state = PanelState(self.ui, self.logic, self.session, self._size)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(
             self.ui, self.logic.lesionSearch, self._onSelectLesion, self._prepare
@@ -80,6 +81,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         for button in (self.plans.comparing, self.sections[-1].writing):
             button.stop()
         self.setParameterNode(None)
+        self._size.stop()
         self.removeObservers()
 
     def enter(self):

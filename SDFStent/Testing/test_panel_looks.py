@@ -254,3 +254,19 @@ def test_no_line_of_the_results_is_cut(host, aStent):
                 lambda: all(one.height >= one.heightForWidth(one.width) for one in labels), 60.0
             )
     area.takeWidget()
+
+
+def test_no_panel_is_measured_once_it_is_gone(host, aScene, theModule, monkeypatch):
+    """The application may end right after the module has been chosen, before its event loop has turned."""
+    from SDFStentSlicer.PanelParts import PanelSize
+
+    fitted = []
+    monkeypatch.setattr(PanelSize, "_fit", lambda _self: fitted.append(True))
+    panel = host.openPanel(theModule)
+    assert fitted
+    panel.ui.stentsCollapsibleButton.collapsed = not panel.ui.stentsCollapsibleButton.collapsed
+    fitted.clear()
+    panel.cleanup()
+    host.process()
+    assert fitted == []
+    host.closePanel(panel)
