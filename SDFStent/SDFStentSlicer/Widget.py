@@ -37,7 +37,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
         self.logic = logic
-        self.session = self.stents = self.table = self.lesions = self.plans = self._state = self._size = None
+        self.session = self.stents = self.table = self.lesions = self.plans = self._state = (
+            self._size
+        ) = None
         self._parameterNode = self._binding = self._lastSet = self._leavings = None
         self._present, self._chosen = [], None
         self._inputs = InputWatch(
