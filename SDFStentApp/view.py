@@ -101,11 +101,15 @@ class View(ThreeDView):
 
     def paint(self, theme: str) -> None:
         """The background for a `light` or a `dark` page."""
-        isDark = theme == "dark"
+        isDark, camera = theme == "dark", self.renderer.GetActiveCamera()
+        seen = camera.GetParallelScale()
         below, above = BACKGROUNDS["dark" if isDark else "light"]
         self.node.SetBackgroundColor(*below)
         self.node.SetBackgroundColor2(*above)
         self.node.SetRulerColor(self.node.RulerColorWhite if isDark else self.node.RulerColorBlack)
+        # Whatever changes of a view node, without perspective all of its field of view is shown.
+        camera.SetParallelScale(seen)
+        self.draw()
 
     def look_at_all(self) -> None:
         """Show everything from the front, as Slicer does."""

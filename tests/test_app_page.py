@@ -322,7 +322,10 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     screen = a_visit.page.locator(".screen").bounding_box()
     a_visit.click_lesion()
     a_visit.seen(is_selected_lesion)
-    a_visit.page.locator(".results svg").hover()
+    figure = a_visit.page.locator(".results figure")
+    playwright.expect(figure).to_contain_text("Lesion 1: red lumen, dashed healthy vessel")
+    playwright.expect(figure.locator("path")).to_have_count(2)
+    figure.locator("svg").hover()
     a_visit.until("pointed", "healthy vessel")
     a_visit.seen(is_mark)
     a_visit.add_stent()
@@ -390,9 +393,6 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     names = ("lesionTable", "stentTable", "suggestButton", "diameterSlider", "lengthSlider")
     boxes = {name: visit.named(name).bounding_box() for name in (*names, "deployButton")}
     assert all(box["y"] >= 0 and box["y"] + box["height"] <= 800 for box in boxes.values()), boxes
-    plot = visit.page.locator(".results figure")
-    playwright.expect(plot).to_contain_text("Lesion 1: red lumen, dashed healthy vessel")
-    playwright.expect(plot.locator("path")).to_have_count(2)
     clicks = ("lesionTable", "tbody td"), ("suggestButton", None)
     for name, inside in clicks:  # and a drag: from the vessel to the result
         one = visit.named(name)
@@ -435,6 +435,9 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     assert sides[0].sum() > 1000
     behind = sides[1][:, ::-1]  # nothing is nearer, so nothing looks larger
     assert (sides[0] ^ behind).mean() < 0.02 < (sides[0] ^ sides[2]).mean()
+    visit.page.emulate_media(color_scheme="dark")
+    visit.seen(lambda red, green, blue: red + green + blue < 150)
+    assert (sides[2] ^ visit.picture()).mean() < 0.02
     assert visit.left() == []
 
 
