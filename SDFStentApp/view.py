@@ -109,7 +109,6 @@ class View(ThreeDView):
         self.node.SetRulerColor(self.node.RulerColorWhite if isDark else self.node.RulerColorBlack)
         # Whatever changes of a view node, without perspective all of its field of view is shown.
         camera.SetParallelScale(seen)
-        self.draw()
 
     def look_at_all(self) -> None:
         """Show everything from the front, as Slicer does."""

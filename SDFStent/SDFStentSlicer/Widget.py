@@ -37,10 +37,8 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
         self.logic = logic
-        self.session = self.stents = self.table = self.lesions = self.plans = self._state = (
-            self._size
-        ) = None
-        self._parameterNode = self._binding = self._lastSet = self._leavings = None
+        self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
+        self._size = self._parameterNode = self._binding = self._lastSet = self._leavings = None
         self._present, self._chosen = [], None
         self._inputs = InputWatch(
             self.onInputModified, self.onHandleGrabbed, self.onHandleReleased, self.onHandleMoved
