@@ -33,6 +33,7 @@ from .outlets import (
     outlet_shares,
     sides_of,
 )
+from .profiles import bends_of
 from .spans import Part, Piece, Ways, drops_over
 
 USUAL = Method()
@@ -157,7 +158,8 @@ class FlowModel:
                 end=", or leave the split out.",
             )
         shares = shares_of(channels, outlet_shares(weights, self._sides, known))
-        self._stream = Stream(PER_ML * known.mean * shares, turns_of(channels, self._widths))
+        turns, bends = (f(channels, self._widths) for f in (turns_of, bends_of))
+        self._stream = Stream(PER_ML * known.mean * shares, turns, bends)
         self._blocks: dict[float, tuple[Block, ...]] = {}
         self._usual = self._case(USUAL)
         self._wave_before: _Seen | None = None

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..validation import Floats
 from .channels import Channel, Widths
+from .profiles import Way, layers_of, profile_of, way_of
 
 PASCAL_PER_MMHG = 133.322
 PER_ML = 1e-6
@@ -46,10 +47,6 @@ Its speed over the flow is sqrt(2) / a, and with that 2 a / (3 A) is STANDS / (A
 
 TURNS = 0.75
 """Hager, Mynard: part of the angle of a branch by which blood that goes into it is turned."""
-
-THIN = 0.05
-"""Of the radius: layers are taken for as thick at least, for the friction of thinner ones has no
-bounds."""
 
 
 class Method(NamedTuple):
@@ -144,6 +141,8 @@ class Stream(NamedTuple):
     """(n,) through the channels, m^3/s."""
     turns: Floats
     """(n,) as of `turns_of`."""
+    bends: Floats
+    """(m,) as of `bends_of`."""
 
 
 def blocks_of(
@@ -161,13 +160,15 @@ def blocks_of(
     size = Widths(*(np.concatenate(axis) for axis in zip(*widths, strict=True))).widened(wider)
     b, a = 0.5e-3 * size.narrow, 0.5e-3 * size.wide
     area = np.pi * a * b
-    way = _way(channels)
+    way = way_of(channels)
     # The kinematic viscosity over the flow, 1/m.
     spread = np.repeat(ADULT.viscosity / ADULT.density / stream.flow, np.diff(way.starts))
-    layer = _layers(way, area, spread)
-    profile = _profile(layer)
+    layer = layers_of(way, area, spread, stream.bends)
+    profile = profile_of(layer)
     attached = np.sqrt(profile.energy) / area
-    momentum = (4 / 15 - layer / 10) * layer / 2 * np.sqrt(area / np.pi)
+    # Blood parts from the inner wall of a bend, to which that sweeps the layer of the outer one.
+    inner = layers_of(way, area, spread)
+    momentum = (4 / 15 - inner / 10) * inner / 2 * np.sqrt(area / np.pi)
     slowing = np.diff(profile.core / area, append=0.0)
     clings = _clings(momentum**2 * slowing, PARTS * spread * way.step)
     jet, mixed, turning = _jets(
@@ -196,83 +197,9 @@ def blocks_of(
     return tuple(found)
 
 
-class _Way(NamedTuple):
-    """The stations of all channels one after the other."""
-
-    starts: list[int]
-    """(n + 1,) where those of each channel begin, and the end."""
-    above: list[int]
-    """(n,)"""
-    step: Floats
-    """(m,) from each station to the next one, m; 0 at the end of a channel."""
-
-
-def _way(channels: Sequence[Channel]) -> _Way:
-    along = 1e-3 * np.concatenate([one.along for one in channels])
-    starts = np.cumsum([0, *(len(one.along) for one in channels)])
-    last = starts[1:] - 1
-    step = np.diff(along, append=0.0)
-    step[last] = 0.0
-    return _Way(starts.tolist(), [one.above for one in channels], step)
-
-
 def _summed(step: Floats, values: Floats) -> Floats:
     """Integral of values (n,) to each place, by trapezoids."""
     return np.append(0.0, np.cumsum(step[:-1] * (values[1:] + values[:-1]) / 2))
-
-
-class _Profile(NamedTuple):
-    """Of a core and a parabola in the layer at the wall, as Schiller has it."""
-
-    core: Floats
-    """Its speed over the mean one."""
-    energy: Floats
-    """Flow of energy over that of an even profile."""
-    friction: Floats
-    """What it loses over what a developed one does."""
-
-
-def _profile(layer: Floats) -> _Profile:
-    """By the thickness of the layer over the radius (n,)."""
-    core = 1 / (1 - 2 / 3 * layer + layer**2 / 6)
-    energy = (1 - 38 / 35 * layer + 47 / 140 * layer**2) * core**3
-    thick = np.maximum(layer, THIN)
-    return _Profile(core, energy, core**2 * (4 - thick) / (12 * thick))
-
-
-def _rates() -> tuple[list[float], list[float]]:
-    """How the square of a layer grows, by thousandths of the radius.
-
-    With the core's speed c over the mean one, and the flow of momentum m over that of an even
-    profile, the balance of momentum over a section is
-    (c c' - m') dt = 4 pi spread c / t dx + (c^2 - m) d(log area):
-    a factor for 4 pi spread dx, and a power of the area.
-    """
-    t = np.maximum(np.linspace(0, 1, 1001), 1e-3)
-    c = 1 / (1 - 2 / 3 * t + t**2 / 6)
-    even = 1 - 14 / 15 * t + 4 / 15 * t**2
-    steeper = (2 / 3 - t / 3) * c**2
-    left = c * steeper - (8 / 15 * t - 14 / 15) * c**2 - 2 * even * c * steeper
-    return (2 * c / left).tolist(), (2 * c**2 * (1 - even) / (t * left)).tolist()
-
-
-_GROWS, _WIDENS = _rates()
-
-
-def _layers(way: _Way, area: Floats, spread: Floats) -> Floats:
-    """Thickness of the layer over the radius (m,); into the tree blood comes developed."""
-    # As plain numbers: one station after the other.
-    steps = (4 * np.pi * spread * way.step).tolist()
-    growth = np.diff(np.log(area), append=0.0).tolist()
-    found: list[float] = []
-    for (start, end), above in zip(pairwise(way.starts), way.above, strict=True):
-        found.append(found[way.starts[above + 1] - 1] if above >= 0 else 1.0)
-        square = found[-1] ** 2
-        for k in range(start, end - 1):
-            at = int(1000 * found[k])
-            square = min((square + steps[k] * _GROWS[at]) * math.exp(_WIDENS[at] * growth[k]), 1.0)
-            found.append(math.sqrt(square))
-    return np.array(found)
 
 
 def _clings(slowing: Floats, parts: Floats) -> Floats:
@@ -287,7 +214,7 @@ def _clings(slowing: Floats, parts: Floats) -> Floats:
 
 
 def _jets(
-    way: _Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
+    way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
 ) -> tuple[Floats, Floats, list[float]]:
     """Speed over the flow (m,), what jets have lost in their channel, and what moves across (n,).
 
