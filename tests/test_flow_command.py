@@ -67,6 +67,17 @@ def test_a_plan_lowers_the_pressure_and_sends_more_to_the_treated_side(flow, cap
     assert "Research use only" in page
 
 
+def test_a_stent_in_an_ostium_changes_the_split_as_the_navier_stokes_equations_say(flow):
+    """docs/flow.md: of what finite volumes lose on both ways, with resistances that are kept."""
+    known = ["--inlet-pressure", "30", "--wedge", "10", "--split-right", "0.7"]
+    assert flow("--plan", flow.plan, "--mean-flow", "50mL/s", *known, "--json", "f.json") == 0
+    after = json.loads(Path("f.json").read_text(encoding="utf-8"))["after"]["mean"]
+    left, inlet = after["share"]["left"], after["inlet_mmhg"]
+    assert left["low"] < 0.318 < left["high"]
+    assert left["value"] - 0.3 == pytest.approx(0.018, rel=0.3)
+    assert inlet["low"] < 29.5 < inlet["high"]
+
+
 def test_the_networks_run_unchanged_in_svzerod(flow):
     svzerod = pytest.importorskip("svzerod")
     assert flow("--plan", flow.plan, "--mean-flow", "50mL/s", *PRESSURES, "--export-0d", "n") == 0

@@ -138,7 +138,7 @@ def branch(angle, diameter=4.0, share=0.3):
     stream = Stream(flow, turns_of(channels, widths), np.zeros(2 * len(x)))
     _, side_block = blocks_of(channels, widths, stream)
     speeds = 10e-6 / area(6.0), 10e-6 * share / area(diameter)
-    lost = side_block.mixing[-1] + side_block.turning
+    lost = side_block.mixing[-1] + side_block.dividing[-1] + side_block.turning
     return RHO * lost * (10e-6 * share) ** 2, speeds
 
 
@@ -173,7 +173,8 @@ def test_blood_hardly_faster_than_its_branch_costs_what_blood_as_fast_does(wider
         widths = [Widths(one.inscribed, one.inscribed) for one in made]
         stream = Stream(np.array([1e-5, 5e-6]), np.zeros(2), np.zeros(482))
         found = blocks_of(made, widths, stream)[1]
-        return np.array([found.friction[-1], found.mixing[-1], found.jet[-1]])
+        lost = found.mixing[-1] + found.dividing[-1]
+        return np.array([found.friction[-1], lost, found.jet[-1]])
 
     found = np.array([costs(share * 10 * 0.5**0.5) for share in np.linspace(0.995, 1.005, 21)])
     assert np.abs(np.diff(found, axis=0) / found[1:]).max() < 0.01

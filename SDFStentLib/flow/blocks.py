@@ -54,11 +54,13 @@ class Method(NamedTuple):
 
     blood: Blood = Blood()
     loss: float = 1.0
-    """Times the loss of a jet that mixes, and of turns."""
+    """Times the loss of a jet that mixes."""
     power: float = 7 / 3
     """Flow to an outlet goes with its diameter to this power, where nothing tells more."""
     wider: float = 0.0
     """By so much all diameters are larger, mm."""
+    divided: float = 1.0
+    """Times the loss of blood that a branch takes over faster than it flows there."""
     turned: float = 0.5
     """Part of the speed's energy across a branch that is lost: all at sharp corners."""
 
@@ -74,8 +76,12 @@ class Block(NamedTuple):
     """Resistance from its start to each station, over the viscosity, 1/m^3."""
     mixing: Floats
     """Loss of jets from its start to each station, over density and loss of a method, 1/m^4."""
+    dividing: Floats
+    """The same of what it takes over from the vessel above, over density and `Method.divided`."""
+    taken: Floats
+    """Share of what it took over in what is faster than blood at the wall."""
     turning: float
-    """What moves across where it begins, as `mixing`."""
+    """What moves across where it begins, over density and `Method.turned`, 1/m^4."""
     jet: Floats
     """Over the flow the even speed that would carry as much energy, 1/m^2."""
     area: Floats
@@ -171,9 +177,9 @@ def blocks_of(
     momentum = (4 / 15 - inner / 10) * inner / 2 * np.sqrt(area / np.pi)
     slowing = np.diff(profile.core / area, append=0.0)
     clings = _clings(momentum**2 * slowing, PARTS * spread * way.step)
-    jet, mixed, turning = _jets(
-        way, (attached, clings, np.pi * spread * way.step, STANDS / area), stream
-    )
+    jets = _jets(way, (attached, clings, np.pi * spread * way.step, STANDS / area), stream)
+    jet = jets.speed
+    turning = _across(way, jet, np.sqrt(area / np.pi), stream).tolist()
     # The wall rubs against what moves along it: not against the dead water round a jet.
     friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
@@ -183,7 +189,9 @@ def blocks_of(
         found.append(
             Block(
                 friction=resisted[start:end] - resisted[start],
-                mixing=mixed[start:end],
+                mixing=jets.mixed[start:end],
+                dividing=jets.divided[start:end],
+                taken=jets.taken[start:end],
                 turning=turning[number],
                 jet=jet[start:end],
                 area=area[start:end],
@@ -213,10 +221,17 @@ def _clings(slowing: Floats, parts: Floats) -> Floats:
     return np.clip((1 - over) / rise, 0.0, 1.0)
 
 
-def _jets(
-    way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
-) -> tuple[Floats, Floats, list[float]]:
-    """Speed over the flow (m,), what jets have lost in their channel, and what moves across (n,).
+class _Jets(NamedTuple):
+    """At all stations (m,), as `Block` has them."""
+
+    speed: Floats
+    mixed: Floats
+    divided: Floats
+    taken: Floats
+
+
+def _jets(way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream) -> _Jets:
+    """Jets along all channels.
 
     `parts` are the speed (m,) attached to the wall, over which share of the way to the next station
     it stays so, `pi nu / Q` times that way, and `STANDS` over the area.
@@ -224,18 +239,16 @@ def _jets(
     even, clings, spread, stands = (column.tolist() for column in parts)
     flow, turns = stream.flow.tolist(), (TURNS * stream.turns).tolist()
     jets: list[float] = []
-    losses: list[float] = []
-    across: list[float] = []
+    rows: list[tuple[float, float, float]] = []
     for number, (start, end) in enumerate(pairwise(way.starts)):
         above = way.above[number]
         last = way.starts[above + 1] - 1
         speed = jets[last] * flow[above] / flow[number] if above >= 0 else 0.0
         # Faster than the wall's blood are what comes from above, and what has parted from the wall.
         brought, parted = max(speed * math.cos(turns[number]) - even[start], 0.0), 0.0
-        lost = 0.0
+        mixed = divided = 0.0
         jets.append(even[start] + brought)
-        losses.append(lost)
-        across.append((speed * math.sin(turns[number])) ** 2 / 2)
+        rows.append((mixed, divided, 1.0))
         for k in range(start, end - 1):
             to = even[k + 1]
             slower = even[k] - to
@@ -246,12 +259,30 @@ def _jets(
                 left = max(1 + slower / (brought + parted), 0.0)
                 brought, parted = left * brought, left * parted
             excess = brought + parted
+            taken = brought / excess if excess > 0 else 0.0
             if parted > 0:
                 jet = to + parted
                 jet *= math.exp(-4 * spread[k] / (1 - stands[k + 1] / jet))
                 parted = max(jet - to, 0.0)
             brought *= math.exp(-SETTLES * spread[k])
-            lost += (excess**2 - (brought + parted) ** 2) / 2
+            lost = (excess**2 - (brought + parted) ** 2) / 2
+            mixed += (1 - taken) * lost
+            divided += taken * lost
             jets.append(to + brought + parted)
-            losses.append(lost)
-    return np.array(jets), np.array(losses), across
+            rows.append((mixed, divided, taken))
+    return _Jets(np.array(jets), *np.array(rows).T)
+
+
+def _across(way: Way, jet: Floats, radius: Floats, stream: Stream) -> Floats:
+    """What moves across (n,) where channels begin, as `mixing`.
+
+    It is as fast as blood a radius before the end of the vessel above, if that is slower: nearer
+    to it spheres may be as narrow as the ostium of another branch.
+    """
+    speeds = []
+    for start, end in pairwise(way.starts):
+        to_end = np.cumsum(way.step[start:end][::-1])[::-1]
+        before = start + max(np.count_nonzero(to_end >= radius[end - 1]) - 1, 0)
+        speeds.append(min(jet[before], jet[end - 1]))
+    share = stream.flow[way.above] / stream.flow
+    return (np.array(speeds)[way.above] * share * np.sin(TURNS * stream.turns)) ** 2 / 2

@@ -68,8 +68,17 @@ class Network(NamedTuple):
     @property
     def stenosis(self) -> Floats:
         """(n,) of the blocks, Pa s^2/m^6."""
-        lost, turned = self.method.loss * self.method.blood.density, self.method.turned
-        return lost * np.array([b.mixing[-1] + turned * b.turning + b.beyond for b in self.blocks])
+        lost = [
+            (
+                one.mixing[-1] + (1 - one.taken[-1]) * one.beyond,
+                one.dividing[-1] + one.taken[-1] * one.beyond,
+                one.turning,
+            )
+            for one in self.blocks
+        ]
+        method = self.method
+        weights = [method.loss, method.divided, method.turned]
+        return method.blood.density * (np.array(lost) @ weights)
 
     @property
     def inertance(self) -> Floats:

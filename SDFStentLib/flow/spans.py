@@ -115,27 +115,29 @@ def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
 
 def drops_over(pieces: Sequence[Piece], networks: Sequence[Network], flows: Floats) -> Floats:
     """The fields of `Drop` (c, 2) in networks of one tree at flows (c, n) through their blocks."""
-    methods = [(*one.method.blood, one.method.loss, one.method.turned) for one in networks]
-    density, viscosity, loss, turned = np.array(methods).T[..., None]
+    methods = [one.method for one in networks]
+    given = [(*one.blood, one.loss, one.divided, one.turned) for one in methods]
+    density, viscosity, loss, divided, turned = np.array(given).T[..., None]
     total, static, left = np.zeros((len(networks), 1)), [], []
     for number, start, end in pieces:
         blocks, q = [one.blocks[number] for one in networks], flows[:, [number]]
-        friction, mixing, jet, area = (
+        friction, mixing, dividing, taken, jet, area = (
             np.stack([getattr(one, name) for one in blocks])
-            for name in ("friction", "mixing", "jet", "area")
+            for name in ("friction", "mixing", "dividing", "taken", "jet", "area")
         )
         # What moves across is lost behind the first station.
         turning = np.array([[one.turning] for one in blocks]) * (friction > 0)
-        friction, mixing, jet, area = (
-            _between(values, start, end)
-            for values in (friction, mixing + turned * turning, jet, area)
+        mixing = loss * mixing + divided * dividing + turned * turning
+        friction, mixing, taken, jet, area = (
+            _between(values, start, end) for values in (friction, mixing, taken, jet, area)
         )
         resisted = viscosity * (friction - friction[:, :1])
-        mixed = loss * density * (mixing - mixing[:, :1]) * np.abs(q)
+        mixed = density * (mixing - mixing[:, :1]) * np.abs(q)
         lost = (resisted + mixed) * q
         static.append(total + lost + density / 2 * (q * jet) ** 2)
         total = total + lost[:, -1:]
-        left.append(_left_in_jets(jet[:, [0, -1]], area[:, [0, -1]], q, density, loss))
+        of_jets = density * (loss + (divided - loss) * taken[:, [0, -1]])
+        left.append(_left_in_jets(jet[:, [0, -1]], area[:, [0, -1]], q, density, of_jets))
     below = np.hstack(static)
     at_ends = left[-1][:, 1:] - left[0][:, :1]
     recovered = np.maximum(total + at_ends, np.minimum(total, 0.0))
@@ -155,7 +157,7 @@ def _at(values: Floats, station: float) -> Floats:
     return np.asarray((1 - share) * values[:, number] + share * values[:, number + 1])
 
 
-def _left_in_jets(jet: Floats, area: Floats, flow: Floats, density: Floats, loss: Floats) -> Floats:
+def _left_in_jets(jet: Floats, area: Floats, flow: Floats, density: Floats, lost: Floats) -> Floats:
     """What jets at two stations will lose where the vessel goes on as wide (c, 2), Pa.
 
     Less what the dead water round it spares of the friction there.
@@ -165,4 +167,4 @@ def _left_in_jets(jet: Floats, area: Floats, flow: Floats, density: Floats, loss
     share = settled / jet
     widening = 2 / 3 * (1 - share**2) - 10 / 3 * (1 - share) - 2 * np.log(share)
     spared = density * (np.abs(flow) / area) * (flow / area) * widening
-    return np.asarray(loss * density / 2 * (flow * (jet - settled)) ** 2 - spared)
+    return np.asarray(lost / 2 * (flow * (jet - settled)) ** 2 - spared)
