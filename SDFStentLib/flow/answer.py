@@ -40,7 +40,7 @@ USUAL = Method()
 
 UNCERTAIN = (
     ("loss of a jet", (USUAL._replace(loss=0.8), USUAL._replace(loss=1.52))),
-    ("dividing flow", (USUAL._replace(divided=0.4), USUAL._replace(divided=1.2))),
+    ("flow that divides", (USUAL._replace(divided=0.4), USUAL._replace(divided=1.2))),
     ("turns into branches", (USUAL._replace(turned=0.0), USUAL._replace(turned=1.0))),
     (
         "viscosity",

@@ -15,8 +15,8 @@ L_PER_MIN = 0.06
 """In one mL/s."""
 
 FLOW_NOTE = (
-    "A network of the vessel tree: friction of steady laminar flow in rigid elliptic sections, and "
-    "the loss of jets behind narrowings and in branches; blood of 1060 kg/m3 and 4 mPa s. "
+    "A network of the vessel tree: friction of laminar flow in rigid elliptic sections and bends, "
+    "and the loss of jets behind narrowings and in branches; blood of 1060 kg/m3 and 4 mPa s. "
     "Pressures at the inlet are total ones. Recovered drops are what is lost for good, maximal "
     "ones reach to the lowest pressure in the narrowing. In brackets the range by uncertain "
     f"{', '.join(name for name, _ in UNCERTAIN)}. No measured gradient, and no adaptation of the "
