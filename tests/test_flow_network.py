@@ -28,7 +28,7 @@ from SDFStentLib.flow import (
     svzerod_document,
     tree_of,
 )
-from SDFStentLib.flow.blocks import Stream, blocks_of, turns_of
+from SDFStentLib.flow.blocks import Method, Stream, blocks_of, turns_of
 from SDFStentLib.flow.channels import Channel, Widths, widths_of
 from SDFStentLib.flow.profiles import bends_of
 from SDFStentLib.flow.spans import Piece, drop_over
@@ -123,8 +123,8 @@ def test_blood_that_enters_a_tube_costs_what_was_measured_there():
     assert (lost - poiseuille) / (RHO / 2 * speed**2) == pytest.approx(1.33, rel=0.1)
 
 
-def branch(angle, diameter=4.0, share=0.3):
-    """The losses of a branch that leaves a tube of 6 mm, mechanical heads of both by speed."""
+def a_branch(angle, diameter, share=0.3):
+    """That leaves a tube of 6 mm with 10 mL/s."""
     x = np.linspace(0, 300, 601)
     none = np.zeros(len(x), dtype=np.int64)
     trunk = np.column_stack([x, 0 * x, 0 * x])
@@ -136,9 +136,14 @@ def branch(angle, diameter=4.0, share=0.3):
     widths = [Widths(one.inscribed, one.inscribed) for one in channels]
     flow = 1e-6 * np.array([10.0, 10.0 * share])
     stream = Stream(flow, turns_of(channels, widths), np.zeros(2 * len(x)))
-    _, side_block = blocks_of(channels, widths, stream)
+    return blocks_of(channels, widths, stream)[1]
+
+
+def branch(angle, diameter=4.0, share=0.3):
+    """What it loses, Pa, and the speeds before it and in it."""
+    found = a_branch(angle, diameter, share)
     speeds = 10e-6 / area(6.0), 10e-6 * share / area(diameter)
-    lost = side_block.mixing[-1] + side_block.dividing[-1] + side_block.turning
+    lost = found.mixing[-1] + found.dividing[-1] + found.turning
     return RHO * lost * (10e-6 * share) ** 2, speeds
 
 
@@ -156,6 +161,28 @@ def test_blood_that_speeds_up_into_a_branch_loses_only_what_moves_across():
     lost, (first, second) = branch(np.radians(60), 2.0)
     assert second > first
     assert lost == pytest.approx(RHO * (first * np.sin(np.radians(45))) ** 2, rel=0.02)
+
+
+def test_a_narrowing_and_flow_that_divides_are_uncertain_on_their_own():
+    x, tree, flow = np.linspace(0, 300, 601), tree_of(np.array([-1])), np.array([3e-6])
+    (narrowing,) = block(x, throat(x, 0.6), flow=3.0).blocks
+    for one, own, other in (
+        (narrowing, "loss", "divided"),
+        (a_branch(0.0, 5.0), "divided", "loss"),
+    ):
+        usual, none, whole, same = (
+            Network((one,), tree, Method(**method))
+            for method in ({}, {own: 0.0}, {own: 1.5}, {other: 0.4})
+        )
+        assert usual.stenosis[0] > 0
+        assert none.stenosis[0] == pytest.approx(0, abs=1e-9 * usual.stenosis[0])
+        assert whole.stenosis == pytest.approx(1.5 * usual.stenosis)
+        assert same.stenosis == pytest.approx(usual.stenosis)
+        # What a branch takes over is not lost by the branch, however much that is.
+        drops = [drop_over([Piece(0, 0, 600)], each, flow).recovered for each in (usual, whole)]
+        rubbed = float(usual.resistance[0] * flow[0])
+        grows = 1.5 if own == "loss" else 1.0
+        assert drops[1] - rubbed == pytest.approx(grows * (drops[0] - rubbed), abs=0.02 * MMHG)
 
 
 @pytest.mark.parametrize("wider", [0.2, 0.4, -0.3])
