@@ -66,7 +66,7 @@ def bends_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
         )
         last, first = channel.points - middle, middle - start
         both = norm(last) * norm(first)
-        is_known = channel.along - 2 * diameter >= along[0]
+        is_known = (channel.along - 2 * diameter >= along[0]) & (both > 0)
         cosine = np.einsum("ij,ij->i", last, first) / np.where(is_known, both, 1.0)
         angle = np.where(is_known, np.arccos(np.clip(cosine, -1, 1)), 0.0)
         found.append(1e3 * angle / diameter)
