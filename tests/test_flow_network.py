@@ -81,7 +81,7 @@ def test_a_tube_costs_what_poiseuille_says_and_an_ellipse_what_white_says():
 
 
 @pytest.mark.parametrize("radius", [12.0, 40.0, 400.0])
-@pytest.mark.parametrize("flow", [2.0, 20.0])
+@pytest.mark.parametrize("flow", [2.0, 20.0, 55.0])
 def test_a_bend_costs_what_was_measured_in_coils(radius, flow):
     """White, Proc R Soc A 1929;123:645: friction over that of a straight tube by Dean's number."""
     x = np.linspace(0, 600, 1501)

@@ -159,8 +159,11 @@ class FlowModel:
                 end=", or leave the split out.",
             )
         shares = shares_of(channels, outlet_shares(weights, self._sides, known))
-        turns, bends = (f(channels, self._widths) for f in (turns_of, bends_of))
-        self._stream = Stream(PER_ML * known.mean * shares, turns, bends)
+        self._stream = Stream(
+            PER_ML * known.mean * shares,
+            turns_of(channels, self._widths),
+            bends_of(channels, self._widths),
+        )
         self._blocks: dict[float, tuple[Block, ...]] = {}
         self._usual = self._case(USUAL)
         self._wave_before: _Seen | None = None

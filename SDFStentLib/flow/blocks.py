@@ -79,7 +79,7 @@ class Block(NamedTuple):
     dividing: Floats
     """The same of what it takes over from the vessel above, over density and `Method.divided`."""
     taken: Floats
-    """Share of what it took over in what is faster than blood at the wall."""
+    """Share of what it took over in what is faster than blood at the wall; 1 where it begins."""
     turning: float
     """What moves across where it begins, over density and `Method.turned`, 1/m^4."""
     jet: Floats
@@ -166,6 +166,7 @@ def blocks_of(
     size = Widths(*(np.concatenate(axis) for axis in zip(*widths, strict=True))).widened(wider)
     b, a = 0.5e-3 * size.narrow, 0.5e-3 * size.wide
     area = np.pi * a * b
+    radius = np.sqrt(area / np.pi)
     way = way_of(channels)
     # The kinematic viscosity over the flow, 1/m.
     spread = np.repeat(ADULT.viscosity / ADULT.density / stream.flow, np.diff(way.starts))
@@ -174,12 +175,12 @@ def blocks_of(
     attached = np.sqrt(profile.energy) / area
     # Blood parts from the inner wall of a bend, to which that sweeps the layer of the outer one.
     inner = layers_of(way, area, spread)
-    momentum = (4 / 15 - inner / 10) * inner / 2 * np.sqrt(area / np.pi)
+    momentum = (4 / 15 - inner / 10) * inner / 2 * radius
     slowing = np.diff(profile.core / area, append=0.0)
     clings = _clings(momentum**2 * slowing, PARTS * spread * way.step)
     jets = _jets(way, (attached, clings, np.pi * spread * way.step, STANDS / area), stream)
-    jet = jets.speed
-    turning = _across(way, jet, np.sqrt(area / np.pi), stream).tolist()
+    jet = jets.jet
+    turning = _across(way, jet, radius, stream).tolist()
     # The wall rubs against what moves along it: not against the dead water round a jet.
     friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
@@ -189,8 +190,8 @@ def blocks_of(
         found.append(
             Block(
                 friction=resisted[start:end] - resisted[start],
-                mixing=jets.mixed[start:end],
-                dividing=jets.divided[start:end],
+                mixing=jets.mixing[start:end],
+                dividing=jets.dividing[start:end],
                 taken=jets.taken[start:end],
                 turning=turning[number],
                 jet=jet[start:end],
@@ -224,9 +225,9 @@ def _clings(slowing: Floats, parts: Floats) -> Floats:
 class _Jets(NamedTuple):
     """At all stations (m,), as `Block` has them."""
 
-    speed: Floats
-    mixed: Floats
-    divided: Floats
+    jet: Floats
+    mixing: Floats
+    dividing: Floats
     taken: Floats
 
 
@@ -238,17 +239,15 @@ def _jets(way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
     """
     even, clings, spread, stands = (column.tolist() for column in parts)
     flow, turns = stream.flow.tolist(), (TURNS * stream.turns).tolist()
-    jets: list[float] = []
-    rows: list[tuple[float, float, float]] = []
+    rows: list[tuple[float, float, float, float]] = []
     for number, (start, end) in enumerate(pairwise(way.starts)):
         above = way.above[number]
         last = way.starts[above + 1] - 1
-        speed = jets[last] * flow[above] / flow[number] if above >= 0 else 0.0
+        speed = rows[last][0] * flow[above] / flow[number] if above >= 0 else 0.0
         # Faster than the wall's blood are what comes from above, and what has parted from the wall.
         brought, parted = max(speed * math.cos(turns[number]) - even[start], 0.0), 0.0
         mixed = divided = 0.0
-        jets.append(even[start] + brought)
-        rows.append((mixed, divided, 1.0))
+        rows.append((even[start] + brought, mixed, divided, 1.0))
         for k in range(start, end - 1):
             to = even[k + 1]
             slower = even[k] - to
@@ -268,13 +267,12 @@ def _jets(way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
             lost = (excess**2 - (brought + parted) ** 2) / 2
             mixed += (1 - taken) * lost
             divided += taken * lost
-            jets.append(to + brought + parted)
-            rows.append((mixed, divided, taken))
-    return _Jets(np.array(jets), *np.array(rows).T)
+            rows.append((to + brought + parted, mixed, divided, taken))
+    return _Jets(*np.array(rows).T)
 
 
 def _across(way: Way, jet: Floats, radius: Floats, stream: Stream) -> Floats:
-    """What moves across (n,) where channels begin, as `mixing`.
+    """What moves across (n,) where channels begin, as `Block.turning`.
 
     It is as fast as blood a radius before the end of the vessel above, if that is slower: nearer
     to it spheres may be as narrow as the ostium of another branch.

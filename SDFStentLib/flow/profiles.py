@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import norm
+from ..geometry import dot, norm
 from ..validation import Floats
 from .channels import Channel, Widths
 
@@ -36,6 +36,7 @@ class Way(NamedTuple):
 
 
 def way_of(channels: Sequence[Channel]) -> Way:
+    """The stations of channels, each of which comes after the one above it."""
     along = 1e-3 * np.concatenate([one.along for one in channels])
     starts = np.cumsum([0, *(len(one.along) for one in channels)])
     last = starts[1:] - 1
@@ -50,7 +51,7 @@ def bends_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
     Between the last diameter of it and the one before: blood turns over in a bend within about so
     much. Less of the way is known near the root, which is taken for straight.
     """
-    # By channel, arc lengths and points from so far above on that a way goes back to.
+    # By channel, arc lengths and points from the root to its end.
     ways: list[tuple[Floats, Floats]] = []
     found = []
     for channel, size in zip(channels, widths, strict=True):
@@ -67,7 +68,7 @@ def bends_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
         last, first = channel.points - middle, middle - start
         both = norm(last) * norm(first)
         is_known = (channel.along - 2 * diameter >= along[0]) & (both > 0)
-        cosine = np.einsum("ij,ij->i", last, first) / np.where(is_known, both, 1.0)
+        cosine = dot(last, first) / np.where(is_known, both, 1.0)
         angle = np.where(is_known, np.arccos(np.clip(cosine, -1, 1)), 0.0)
         found.append(1e3 * angle / diameter)
         ways.append((along, points))

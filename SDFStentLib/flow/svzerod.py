@@ -27,7 +27,7 @@ STEPS = 100
 """Of a cycle."""
 
 TIME_LIMIT = 600.0
-"""s, for a solver that takes about one for a hundred outlets."""
+"""s, for a solver that takes less than one for a hundred outlets."""
 
 NO_LEVEL = (
     "no pressures are known: outlets resist so much that they share the flow whatever the vessel "
