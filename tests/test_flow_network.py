@@ -282,6 +282,22 @@ def test_no_part_of_a_vessel_gives_back_what_is_lost(seed):
     assert max(one.recovered for one in drops) > MMHG
 
 
+@pytest.mark.parametrize("wide", [6.6, 7.2, 7.8, 8.4])
+def test_no_range_of_a_drop_begins_below_zero(wide):
+    """A part costs nothing or something, whatever in it is uncertain."""
+    x = np.linspace(0, 60, 241)
+    size = np.interp(x, [22, 24, 31, 33], [6.0, wide, wide, 6.0])
+    line = np.column_stack([0 * x, 0 * x, x])
+    vessel = Channel(line, x, size, size, np.zeros(241, dtype=np.int64), x, -1)
+    parts = [Part("", line[start : start + 40]) for start in range(60, 140, 4)]
+    for flow in (2.0, 20.0, 90.0):
+        answer = FlowModel([vessel], known_flow(flow, peak=2 * flow)).answer(None, parts)
+        for moment in answer.before.values():
+            for drop in moment.drops:
+                assert 0 <= drop.recovered.low <= drop.recovered.value <= drop.recovered.high
+                assert 0 <= drop.maximal.low <= drop.maximal.value <= drop.maximal.high
+
+
 REFERENCE = {
     (0.5, 16): {2: 0.34, 5: 1.36, 10: 4.24, 20: 14.2},
     (0.54, 8): {3: 0.75, 6: 2.50, 12: 8.78, 16: 15.0},

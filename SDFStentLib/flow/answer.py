@@ -232,7 +232,10 @@ class FlowModel:
         if solve is not None:
             solved = [self._solved(solve, one) for one in networks]
             value = np.concatenate([one.moments(known, ways, is_even=True) for one in solved])
-        spread = np.stack([value, value - low, value + high], axis=-1)
+        lowest = value - low
+        # No part of a vessel gives back what is lost, but where blood flows back.
+        lowest[..., 3:] = np.maximum(lowest[..., 3:], np.minimum(value[..., 3:], 0.0))
+        spread = np.stack([value, lowest, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         moments = [dict(zip(names, map(self._moment, state), strict=True)) for state in spread]
         return FlowAnswer(
