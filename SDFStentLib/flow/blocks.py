@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Floats
-from .channels import Channel, Widths
+from .channels import OBLONG, Channel, Widths
 from .profiles import Way, layers_of, profile_of, way_of
 
 PASCAL_PER_MMHG = 133.322
@@ -101,12 +101,15 @@ def outlets_of(channels: Sequence[Channel]) -> list[int]:
 
 
 def outlet_diameters(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
-    """Equivalent diameters (k,) of the last sections before the outlets, mm."""
+    """Equivalent diameters (k,) of the outlets, or of the last sections before them, mm."""
     found = []
     for number in outlets_of(channels):
-        known = np.flatnonzero(np.isfinite(channels[number].section))
+        one, narrow = channels[number], widths[number].narrow
+        known = np.flatnonzero(np.isfinite(one.section))
         last = known[-1] if len(known) else -1
-        found.append(2 * float(np.sqrt(widths[number].area[last] / np.pi)))
+        diameter = one.outlet if np.isfinite(one.outlet) else one.section[last]
+        # What is wider is the section of other vessels, too.
+        found.append(float(np.fmin(diameter, OBLONG * narrow[last])))
     return np.array(found)
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..centerline import Centerline, Stretch, joined_lumens
 from ..geometry import Line, Surface, norm
-from ..lumen import equivalent_diameters, inscribed_spheres
+from ..lumen import equivalent_diameters, inscribed_spheres, wall_of
 from ..validation import Floats, Indices, InputError, Points, as_place, place_words
-from ..vessel import branch_lumens
+from ..vessel import BESIDE_TIP, VesselEnd, branch_lumens, vessel_ends
 
 OBLONG = 1.5
 """Times the inscribed diameter up to which the circle of a section's area may be wide: what is
@@ -52,6 +52,9 @@ class Channel(NamedTuple):
     """(n,) arc length from the start of that branch, mm."""
     above: int
     """The channel at whose end it begins; -1 at the root."""
+    outlet: float = float("nan")
+    """Diameter of the circle with the area of the open end or cap at which it ends, mm; NaN where
+    there is none."""
 
 
 def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]:
@@ -71,7 +74,7 @@ def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]
     found = [_refined(one) for one in lumens.stretches]
     lines = [one.points for one in found]
     places, ways = np.concatenate(lines), np.concatenate([Line(line).directions for line in lines])
-    sections = equivalent_diameters(surface.points, surface.triangles, places, ways)
+    sections = equivalent_diameters(surface.points, wall_of(surface), places, ways)
     inscribed = np.concatenate([one.inscribed for one in found])
     new = np.flatnonzero(inscribed == _NEW)
     inscribed[new] = (
@@ -79,7 +82,25 @@ def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]
     )
     ends = np.cumsum([len(line) for line in lines])[:-1]
     columns = zip(found, np.split(inscribed, ends), np.split(sections, ends), strict=True)
-    return tuple(one._replace(inscribed=d, section=area) for one, d, area in columns)
+    told = tuple(one._replace(inscribed=d, section=area) for one, d, area in columns)
+    return _with_outlets(told, vessel_ends(surface))
+
+
+def _with_outlets(channels: Sequence[Channel], ends: Sequence[VesselEnd]) -> tuple[Channel, ...]:
+    """With the areas of ends of the vessel, as they are seen along the last diameter before."""
+    found = list(channels)
+    last = np.setdiff1d(np.arange(len(channels)), [one.above for one in channels])
+    tips = np.array([channels[number].points[-1] for number in last])
+    for end in ends:
+        away = norm(tips - end.center)
+        nearest = int(away.argmin())
+        if away[nearest] <= BESIDE_TIP * end.radius:
+            one = channels[last[nearest]]
+            before = int(np.searchsorted(one.along, one.along[-1] - 2 * end.radius))
+            way = end.center - one.points[min(before, len(one.points) - 2)]
+            seen = abs(float(end.across @ way)) / np.linalg.norm(way)
+            found[last[nearest]] = one._replace(outlet=float(2 * end.radius * np.sqrt(seen)))
+    return tuple(found)
 
 
 class Widths(NamedTuple):

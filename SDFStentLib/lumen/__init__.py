@@ -6,6 +6,7 @@ from .caps import caps_of as caps_of
 from .caps import flat_caps as flat_caps
 from .caps import looks_across as looks_across
 from .caps import off_caps as off_caps
+from .caps import wall_of as wall_of
 from .closed_ends import OpenWall as OpenWall
 from .closed_ends import open_at_ends as open_at_ends
 from .closed_surface import VesselInside as VesselInside

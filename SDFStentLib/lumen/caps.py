@@ -145,12 +145,17 @@ def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool
     return is_capped
 
 
-def off_caps(surface: Surface) -> Points:
-    """Points (n, 3) of the triangles that belong to no flat cap, mm; all where all do."""
+def wall_of(surface: Surface) -> Triangles:
+    """The triangles (k, 3) that belong to no flat cap."""
     is_wall = np.ones(len(surface.triangles), dtype=bool)
     for cap in caps_of(surface):
         is_wall[cap.faces] = False
-    used = np.unique(surface.triangles[is_wall])
+    return surface.triangles[is_wall]
+
+
+def off_caps(surface: Surface) -> Points:
+    """Points (n, 3) of the triangles that belong to no flat cap, mm; all where all do."""
+    used = np.unique(wall_of(surface))
     return surface.points[used] if len(used) else surface.points
 
 
