@@ -37,6 +37,24 @@ def nearest_points(query, corners):
     return np.choose(np.argmin(distances, axis=0)[:, None], found)
 
 
+def winding_numbers(queries, points, triangles):
+    """How often a surface goes round each query, a half on it: its solid angle over 4 pi.
+
+    Van Oosterom and Strackee 1983, doi 10.1109/TBME.1983.325207.
+    """
+    total = np.zeros(len(queries))
+    for number, query in enumerate(queries):
+        a, b, c = np.moveaxis(points[triangles] - query, 1, 0)
+        la, lb, lc = (np.linalg.norm(arm, axis=1) for arm in (a, b, c))
+        volume = (np.cross(a, b) * c).sum(axis=1)
+        rest = (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
+        angle = 2 * np.arctan2(volume, la * lb * lc + rest)
+        # Of a triangle in whose plane the query lies, rounding would tell the side.
+        angle[np.abs(volume) <= 1e-9 * (la * lb + lb * lc + lc * la)] = 0.0
+        total[number] = angle.sum()
+    return np.abs(total) / (4 * np.pi)
+
+
 def climbed(corners, center, axes, box, tolerance):
     """The largest sphere that steps of rising linear models reach; its centre and its radius."""
     half = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max()

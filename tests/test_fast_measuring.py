@@ -22,7 +22,6 @@ from SDFStentLib.lumen import (
     near_wall,
     rays_from,
     section_loops,
-    winding_numbers,
 )
 from SDFStentLib.lumen.cross_section import _lumen_area
 from SDFStentLib.lumen.spheres import inscribed
@@ -174,18 +173,6 @@ def test_vessels_with_a_narrowing_are_measured_exactly_and_others_nearly_so(a_ve
         else:
             assert np.median(share) == pytest.approx(1, abs=0.03)
             assert (share <= 1.1).all()
-
-
-def test_a_surface_goes_half_round_a_point_on_it():
-    """Also where rounding puts the point on either side of a triangle of a cap."""
-    tube = stenosed_tube()
-    ends = tube.centerline.points[[0, -1]]
-    for shift in (0.0, 1e-15, -1e-15):
-        places = np.vstack([ends, tube.points[tube.triangles[:50]].mean(axis=1)]) + shift
-        found = winding_numbers(places, tube.points, tube.triangles)
-        np.testing.assert_allclose(found, 0.5, atol=1e-6)
-    inner = tube.centerline.points[5:-5]
-    np.testing.assert_allclose(winding_numbers(inner, tube.points, tube.triangles), 1, atol=1e-9)
 
 
 def test_sections_do_not_depend_on_the_winding():

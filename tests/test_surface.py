@@ -128,22 +128,6 @@ def test_the_areas_of_many_cuts_add_up_to_the_volume():
     assert volume == pytest.approx(signed_volume(points, triangles), rel=1e-4)
 
 
-# ---------------------------------------------------------------------------- inside or outside
-
-
-def test_rays_through_vertices_and_edges_are_counted_once():
-    points, triangles = _box((2.0, 2.0, 2.0))
-    inside = [[1, 1, 1], [1, 1, 0.5], [0.5, 0.5, 1], [1.5, 0.5, 1]]
-    outside = [[1, 1, -1], [1, 1, 3], [3, 1, 1], [-1, -1, -1], [1, 5, 1]]
-    found = Surface(points, triangles).contains(np.array(inside + outside))
-    assert found.tolist() == [True] * 4 + [False] * 5
-    ridge = np.vstack([points, [1, 1, 5]])
-    roof = np.r_[triangles[:-2], [[1, 5, 8], [5, 7, 8], [7, 3, 8], [3, 1, 8]]]
-    assert topology.surface_topology(roof).is_closed
-    along = np.array([[1.0, 1, 1], [1, 1, 4], [1, 1, 6]])
-    assert Surface(ridge, roof).contains(along).tolist() == [True, True, False]
-
-
 # ------------------------------------------------------------------------------ parts of a surface
 
 

@@ -15,7 +15,6 @@ from SDFStentLib.files import (
     read_surface,
     size_warnings,
 )
-from SDFStentLib.files.same_space import InsideTest
 from SDFStentLib.geometry import Surface
 from SDFStentLib.validation import InputError
 
@@ -77,21 +76,6 @@ def moved_tube():
 
 def axis(start=1.0, end=59.0, count=80):
     return HERE + np.stack([np.zeros(count)] * 2 + [np.linspace(start, end, count)], axis=1)
-
-
-@pytest.mark.parametrize("is_known", [False, True])
-@pytest.mark.parametrize("flip", [1, -1])
-def test_inside_and_outside_need_no_orientation_whether_it_is_known_to_be_closed(flip, is_known):
-    points, triangles = octahedron(radius=30, rounds=3)
-    generator = np.random.default_rng(3)
-    queries = generator.normal(size=(300, 3))
-    queries /= np.linalg.norm(queries, axis=1, keepdims=True)
-    # The facets of the sphere are less than 1 mm inside of it.
-    surface = Surface(points, triangles[:, ::flip])
-    assert not is_known or surface.topology.is_closed
-    test = InsideTest(surface)
-    assert test.is_inside(28.5 * queries).all()
-    assert not test.is_inside(30.5 * queries).any()
 
 
 @pytest.mark.parametrize("factor", [10, 0.1, 1000, 0.001])

@@ -15,8 +15,11 @@ BEYOND = 1e-4
 """A line begins so far behind the wall on which it begins, mm."""
 
 
-def middleOn(polyData, ray):
-    """The middle (3,) of the first lumen that a `Ray` meets, across from where it meets the wall; None without one."""
+def middleOn(polyData, surface, ray):
+    """The middle (3,) of the first lumen that a `Ray` meets, across from where it meets the wall; None without one.
+
+    `polyData` and `surface` (`Surface`) are the same vessel.
+    """
     locator = vtkStaticCellLocator()
     locator.SetDataSet(polyData)
     locator.BuildLocator()
@@ -28,16 +31,16 @@ def middleOn(polyData, ray):
     if not cells.GetNumberOfIds():
         return None
     wall, normal = np.array(hits.GetPoint(0)), _normal(polyData.GetCell(cells.GetId(0)))
-    # Inside is where a line leaves the surface an odd number of times.
-    found = [_opposite(locator, wall, way, reach) for way in (normal, -normal)]
-    inward = [hit for hit, count in found if count % 2]
-    if len(inward) != 1:
+    ways = np.stack([normal, -normal])
+    inward = ways[surface.contains(wall + BEYOND * ways)]
+    hit = _opposite(locator, wall, inward[0], reach) if len(inward) == 1 else None
+    if hit is None:
         return None
-    middle, longest = (wall + inward[0]) / 2, LONGER * np.linalg.norm(inward[0] - wall)
+    middle, longest = (wall + hit) / 2, LONGER * np.linalg.norm(hit - wall)
     for _ in range(ROUNDS):
         wall, distance = _nearest(locator, middle)
-        hit, count = _opposite(locator, wall, (middle - wall) / distance, reach)
-        if not count or np.linalg.norm(hit - wall) > longest:
+        hit = _opposite(locator, wall, (middle - wall) / distance, reach)
+        if hit is None or np.linalg.norm(hit - wall) > longest:
             break
         middle = (wall + hit) / 2
     return middle
@@ -58,9 +61,8 @@ def _nearest(locator, point):
 
 
 def _opposite(locator, wall, direction, reach):
-    """Where a line from the wall meets it next, None without such a place, and how often."""
+    """Where a line from the wall meets it next, None without such a place."""
     hits, cells = vtkPoints(), vtkIdList()
     ends = (wall + BEYOND * direction, wall + reach * direction)
     locator.IntersectWithLine(*ends, 0.0, hits, cells)
-    count = hits.GetNumberOfPoints()
-    return (np.array(hits.GetPoint(0)) if count else None), count
+    return np.array(hits.GetPoint(0)) if hits.GetNumberOfPoints() else None

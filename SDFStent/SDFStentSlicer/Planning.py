@@ -190,7 +190,8 @@ class Planning:
         if stentOf(parameterNode).placement != Placement.ALONG_CURVE:
             self.snapHandle(parameterNode, handle)
         elif ray is not None:
-            middle = middleOn(self._inputs.vessel(parameterNode).polyData, ray)
+            vessel = self._inputs.vessel(parameterNode)
+            middle = middleOn(vessel.polyData, vessel.surface, ray)
             if middle is None:
                 self._snapping.leave(handle, index)
             else:

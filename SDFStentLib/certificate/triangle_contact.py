@@ -11,10 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import Exact, signs, whole_numbers
 from ..validation import Flags, Floats
-
-Exact = NDArray[Any]
-"""Array of Python integers (dtype object), or of floats where both are good."""
 
 _SAFETY = 128 * 2.0**-53
 """Bound on the rounding of a volume of three differences, over the cube of the largest.
@@ -84,7 +82,7 @@ def exact_contact(first: Floats, second: Floats, same: Flags | None = None) -> F
         same = np.asarray(np.all(first[:, None] == second[None], axis=2), dtype=bool)
     in_first, in_second = np.asarray(same.any(axis=1)), np.asarray(same.any(axis=0))
     shared = in_first.sum(axis=0)
-    whole = _whole_numbers(np.concatenate([first, second]))
+    whole = whole_numbers(np.concatenate([first, second]))
     first, second = _shared_first(whole[:3], in_first), _shared_first(whole[3:], in_second)
     has_area = _has_area(first) & _has_area(second)
 
@@ -178,11 +176,11 @@ def _meets_in_plane(start: Exact, end: Exact, triangle: Exact) -> Flags:
     rows = np.arange(len(axis))
     flat = np.stack([np.stack([p[(axis + 1) % 3, rows], p[(axis + 2) % 3, rows]])
                      for p in (*triangle, start, end)])  # fmt: skip
-    turn = [[_sign(_turn(flat[k], flat[(k + 1) % 3], flat[e])) for k in range(3)] for e in (3, 4)]
-    across = [_sign(_turn(flat[3], flat[4], flat[k])) for k in range(3)]
+    turn = [[signs(_turn(flat[k], flat[(k + 1) % 3], flat[e])) for k in range(3)] for e in (3, 4)]
+    across = [signs(_turn(flat[3], flat[4], flat[k])) for k in range(3)]
     meets = np.zeros(len(rows), dtype=bool)
-    for signs in turn:
-        lowest, highest = _extremes(signs)
+    for sides in turn:
+        lowest, highest = _extremes(sides)
         meets |= (lowest >= 0) | (highest <= 0)
     for k in range(3):
         # A segment on the line of a side meets the side only with an end, which is seen above, or
@@ -224,18 +222,6 @@ def first_shared(is_shared: Flags) -> NDArray[np.int64]:
     return np.where(
         count == 1, np.argmax(is_shared, axis=0), (np.argmin(is_shared, axis=0) + 1) % 3
     )
-
-
-def _whole_numbers(values: Floats) -> Exact:
-    """The same numbers times one power of two, as Python integers of any length."""
-    mantissa, exponent = np.frexp(values)
-    shift = exponent - exponent[values != 0].min(initial=0)
-    digits = np.ldexp(mantissa, 53).astype(np.int64).astype(object)
-    return digits * (2 ** np.where(values != 0, shift, 0).astype(object))
-
-
-def _sign(values: Exact) -> NDArray[np.int64]:
-    return (values > 0).astype(np.int64) - (values < 0).astype(np.int64)
 
 
 def _extremes(values: list[Any]) -> tuple[Any, Any]:

@@ -19,9 +19,8 @@ from ..lumen import (
     caps_across,
     equivalent_diameters,
     inscribed_spheres,
-    winding_numbers,
 )
-from ..validation import Floats, Place, Points, Triangles, as_place
+from ..validation import Floats, Place, Points, as_place
 from .wall_around import WallAround
 from .wall_check import wall_check
 
@@ -37,9 +36,6 @@ NEAR = 2.0
 
 CAPS_WITHIN = 2.0
 """Distance from the stent's ends, in its radii, within which flat caps count as open."""
-
-INSIDE = 0.3
-"""Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
 
 
 def motion_check(
@@ -147,8 +143,7 @@ def _narrowest(
         return _Narrowest(float(width[at]), float(wanted[at]), as_place(stations[at]))
     middle = len(stations) // 2
     three = [middle, 0, -1]
-    walls = (around.points, around.triangles), (points, triangles)
-    if _is_outside(walls, stations[three], chain.line.directions[three]):
+    if _is_outside(around, after, stations[three], chain.line.directions[three]):
         return _Narrowest(0.0, float(wanted[middle]), as_place(stations[middle]))
     prescribed = float(wanted[at])
     return _Narrowest(min(float(width[at]), prescribed), prescribed, as_place(stations[at]))
@@ -239,14 +234,10 @@ def _united(before: Points, chain: CapsuleChain, radius: float) -> Points:
     return united
 
 
-def _is_outside(
-    walls: tuple[tuple[Points, Triangles], ...], stations: Points, directions: Points
-) -> bool:
+def _is_outside(around: WallAround, after: Surface, stations: Points, directions: Points) -> bool:
     """Whether no station lies in a closed section of the lumen, nor otherwise inside.
 
-    By the wall nearby first, at last by the whole of it.
+    By the wall nearby first.
     """
-    if any(np.isfinite(equivalent_diameters(*wall, stations, directions)).any() for wall in walls):
-        return False
-    whole = walls[-1]
-    return all(winding_numbers(station[None], *whole)[0] < INSIDE for station in stations)
+    near = equivalent_diameters(around.points, around.triangles, stations, directions)
+    return not (np.isfinite(near).any() or after.contains(stations).any())

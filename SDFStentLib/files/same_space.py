@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from vtkmodules.vtkCommonCore import vtkIdList
-from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
+from numpy.typing import ArrayLike
 
 from ..cautions import Caution
 from ..geometry import Surface, as_surface, signed_volume
 from ..units import flipped
 from ..validation import InputError, Points, as_points
-from .polydata import polydata_from_polygons
 
 UNIT_FACTORS = (10.0, 0.1, 1000.0, 0.001)
 """What separates millimetres from centimetres and metres, both ways."""
 
 _SAMPLES = 150  # centerline points that are tested
-_RAYS = 9  # odd, so that there is a majority
 _ENOUGH_INSIDE = 0.5
+# Ends on a cap or a rim fall on either side; they are not worth a sentence.
+_NEARLY_ALL = 0.95
 # Part of the surface's extent that a line in a larger unit has at least once it is shrunk. A line
 # shrunk to a spot fits into every vessel that passes near the origin, and says nothing.
 _SMALLEST_PART = 0.2
@@ -45,11 +42,8 @@ def check_same_space(
 ) -> tuple[Caution, ...]:
     """Check that a centerline or an axis lies inside a surface, open or closed.
 
-    A point is inside when most of nine rays from it cross the surface an odd number of times,
-    which needs neither a closed nor an oriented surface; of one that is known to be closed one ray
-    is enough to tell that it is inside. Ends that stick out of a cut-open
-    inlet are tolerated: half of the points must be inside. When fewer are, other units and the
-    other patient frame (x and y negated) are tried, to say what is wrong.
+    Inside is as `Surface.contains` has it. Ends that stick out of a vessel are tolerated, unless
+    they tell of another unit or frame: nearly all would be inside then.
 
     Parameters
     ----------
@@ -67,23 +61,23 @@ def check_same_space(
     Raises
     ------
     InputError
-        Less than half of the centerline is inside; says whether units or frame explain it.
+        Less than half of the centerline is inside, or nearly all of it would be in another unit or
+        frame, which is named.
     """
     centers = as_points(centerline_points, centerline_name, minimum=1)
     count = min(len(centers), _SAMPLES)
     centers = centers[np.linspace(0, len(centers) - 1, count).round().astype(int)]
-    test = InsideTest(as_surface(surface))
-
-    inside = float(test.is_inside(centers).mean())
-    if inside >= _ENOUGH_INSIDE:
-        # Ends on a cap or a rim fall on either side; they are not worth a sentence.
-        if inside >= 0.95:
-            return ()
+    surface = as_surface(surface)
+    inside = float(surface.contains(centers).mean())
+    if inside >= _NEARLY_ALL:
+        return ()
+    best = _best_fit(surface, centers)
+    if inside >= _ENOUGH_INSIDE and not _explains(best, inside):
         numbers: dict[str, float | str] = {"outside_percent": 100 * (1 - inside)}
         numbers["surface"] = surface_name
         return (Caution("partly-outside", numbers, label=f"{centerline_name}: "),)
     found = f"{centerline_name}: expected it inside {surface_name}, got {100 * inside:.0f} % inside"
-    raise _explained(_best_fit(test, centers)).labeled(f"{found}; ")
+    raise _explained(best).labeled(f"{found}; ")
 
 
 def check_joined(surface: Surface, name: str) -> None:
@@ -121,71 +115,30 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Cauti
     return (Caution("unusual-size", {**numbers, "lumen_mm": lumen}, label=f"{name}: "),)
 
 
-class InsideTest:
-    """Counts crossings of rays; the same rays for every query, so that results repeat."""
-
-    def __init__(self, surface: Surface) -> None:
-        self._surface, points = surface, surface.points
-        self._low, self._high = points.min(axis=0), points.max(axis=0)
-        directions = np.random.default_rng(1).normal(size=(_RAYS, 3))
-        reach = 1.01 * float(np.linalg.norm(self._high - self._low)) + 1e-9
-        self._rays = reach * directions / np.linalg.norm(directions, axis=1, keepdims=True)
-
-    @property
-    def extent(self) -> float:
-        """The longest side of the surface's box, mm."""
-        return float((self._high - self._low).max())
-
-    @cached_property
-    def _locator(self) -> vtkStaticCellLocator:
-        surface = self._surface
-        offsets = 3 * np.arange(len(surface.triangles) + 1)
-        locator = vtkStaticCellLocator()
-        locator.SetDataSet(
-            polydata_from_polygons(surface.points, offsets, surface.triangles.ravel())
-        )
-        locator.BuildLocator()
-        return locator
-
-    def is_inside(self, queries: Points) -> NDArray[np.bool_]:
-        """Which points (n, 3) are inside of the surface."""
-        inside = ((queries >= self._low) & (queries <= self._high)).all(axis=1)
-        doubtful, known = np.flatnonzero(inside), self._surface.known_topology
-        if known is not None and known.is_closed:
-            # Quickly told. A point on the surface may come out either way: the rays decide.
-            doubtful = doubtful[~self._surface.contains(queries[doubtful])]
-        for index in doubtful:
-            inside[index] = self._is_inside(queries[index])
-        return inside
-
-    def _is_inside(self, query: Points) -> bool:
-        """What most rays say; no further ones are sent when these are known."""
-        said = {True: 0, False: 0}
-        for ray in self._rays:
-            is_odd = self._crossings(query, ray) % 2 == 1
-            said[is_odd] += 1
-            if said[is_odd] > _RAYS // 2:
-                break
-        return said[True] > said[False]
-
-    def _crossings(self, start: Points, ray: Points) -> int:
-        crossed = vtkIdList()
-        self._locator.IntersectWithLine(start.tolist(), (start + ray).tolist(), 0.0, None, crossed)
-        return int(crossed.GetNumberOfIds())
-
-
-def _best_fit(test: InsideTest, centers: Points) -> _Fit | None:
-    fits = []
+def _best_fit(surface: Surface, centers: Points) -> _Fit | None:
+    """The other unit or frame in which most lies inside; None where in none half of it does."""
+    extent, fits = float(np.ptp(surface.points, axis=0).max()), []
     for factor, is_flipped in product((1.0, *UNIT_FACTORS), (False, True)):
         if factor == 1.0 and not is_flipped:
             continue
-        if factor < 1.0 and factor * np.ptp(centers, axis=0).max() < _SMALLEST_PART * test.extent:
+        if factor < 1.0 and factor * np.ptp(centers, axis=0).max() < _SMALLEST_PART * extent:
             continue
         moved = flipped(factor * centers) if is_flipped else factor * centers
-        fits.append(_Fit(factor, is_flipped, float(test.is_inside(moved).mean())))
+        fits.append(_Fit(factor, is_flipped, float(surface.contains(moved).mean())))
     # The first of equals: one change rather than two.
     best = max(fits, key=lambda fit: (fit.inside_fraction, fit.factor == 1.0, not fit.is_flipped))
     return best if best.inside_fraction >= _ENOUGH_INSIDE else None
+
+
+def _explains(best: _Fit | None, inside: float) -> bool:
+    """Whether the other unit or frame brings nearly all inside, and most of what is outside here.
+
+    In a vessel that looks the same from both sides both frames fit about as well: then the one that
+    the files name holds.
+    """
+    if best is None or best.inside_fraction < _NEARLY_ALL:
+        return False
+    return 2 * (1 - best.inside_fraction) < 1 - inside
 
 
 def _explained(best: _Fit | None) -> InputError:

@@ -7,6 +7,9 @@ from .carrying import carried as carried
 from .distance import NearPairs as NearPairs
 from .distance import SurfaceIndex as SurfaceIndex
 from .distance import closest_points_on_triangles as closest_points_on_triangles
+from .exact import Exact as Exact
+from .exact import signs as signs
+from .exact import whole_numbers as whole_numbers
 from .faces import NO_HEIGHT as NO_HEIGHT
 from .faces import compacted as compacted
 from .faces import face_areas as face_areas

@@ -1,4 +1,4 @@
-"""Cutting a surface with a plane, and telling what lies inside a closed one."""
+"""Cutting a surface with a plane."""
 
 from __future__ import annotations
 
@@ -9,18 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import (
-    Flags,
-    Floats,
     Indices,
     InputError,
     Points,
     Triangles,
     as_point,
 )
-from .rows import blocks_of, dot, product, ranges
-
-_BLOCK = 1 << 19
-"""Pairs of query and triangle that are looked at together; some 50 MB of temporaries."""
+from .rows import product
 
 _REPEAT = 1e-9
 """Corners of a section nearer to each other than this, mm, are one corner."""
@@ -112,46 +107,6 @@ def crossings(points: Points, triangles: Triangles, origin: Points, normal: Poin
     return Crossings(cut, np.column_stack([below, above_ends]), corners, node.reshape(2, -1).T)
 
 
-class Inside:
-    """What lies inside of a closed surface, see `Surface.contains`."""
-
-    def __init__(self, points: Points, triangles: Triangles) -> None:
-        self._points, self._triangles = points, triangles
-        self._lowest, self._highest = _extents(points[:, 0], triangles)
-
-    def contains(self, queries: Points) -> Flags:
-        """Whether each query (k, 3) lies inside: its ray upward meets the surface an odd time.
-
-        Whether a face is met is decided by edge in one fixed order, so that a ray through an edge
-        or a vertex is counted once and not twice. A query exactly on the surface may come out
-        either way.
-        """
-        result = np.zeros(len(queries), dtype=bool)
-        if not len(queries):
-            return result
-        order = np.argsort(queries[:, 0], kind="stable")
-        ordered = queries[order]
-        is_met = (self._lowest <= ordered[-1, 0]) & (self._highest >= ordered[0, 0])
-        triangles = self._triangles.compress(is_met, axis=0)
-        first = np.searchsorted(ordered[:, 0], self._lowest[is_met], side="left")
-        counts = np.searchsorted(ordered[:, 0], self._highest[is_met], side="right") - first
-        lowest, highest = _extents(self._points[:, 1], triangles)
-        crossings = np.zeros(len(queries), dtype=np.int64)
-        for faces in blocks_of(counts, _BLOCK):
-            face = np.repeat(faces, counts[faces])
-            query = ranges(first[faces], counts[faces])
-            y = ordered[:, 1].take(query)
-            # Most faces lie beside the ray.
-            met = np.flatnonzero((lowest.take(face) <= y) & (y <= highest.take(face)))
-            face, query = face.take(met), query.take(met)
-            hit = _is_crossed_upward(
-                ordered.take(query, axis=0), self._points, triangles.take(face, axis=0)
-            )
-            crossings += np.bincount(query[hit], minlength=len(queries))
-        result[order] = crossings % 2 == 1
-        return result
-
-
 def _chains(segments: NDArray[np.int64], count: int) -> Iterator[tuple[list[int], bool]]:
     """Node lists of connected segments: open chains first, then loops."""
     at_node: list[list[int]] = [[] for _ in range(count)]
@@ -186,30 +141,3 @@ def _without_repeats(corners: Points, is_loop: bool) -> SectionLoop:
     if not is_loop:
         is_new[0] = True
     return SectionLoop(corners[is_new], is_loop)
-
-
-def _extents(values: Floats, triangles: Triangles) -> tuple[Floats, Floats]:
-    """Lowest and highest (m,) of the values of every triangle's corners."""
-    # Column by column: reductions over rows of three are slow.
-    first, second, third = (values.take(corner) for corner in triangles.T)
-    return (
-        np.minimum(np.minimum(first, second), third),
-        np.maximum(np.maximum(first, second), third),
-    )
-
-
-def _is_crossed_upward(queries: Floats, points: Points, triangles: Triangles) -> Flags:
-    """Whether the ray from each query towards +z meets the triangle in the same row."""
-    x, y = queries[:, 0], queries[:, 1]
-    odd = np.zeros(len(queries), dtype=bool)
-    for start, end in ((0, 1), (1, 2), (2, 0)):
-        ends = np.sort(triangles[:, [start, end]], axis=1)
-        low, high = points[ends[:, 0]], points[ends[:, 1]]
-        spans = (low[:, 1] > y) != (high[:, 1] > y)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = (high[:, 0] - low[:, 0]) / (high[:, 1] - low[:, 1])
-            odd ^= spans & (x < low[:, 0] + (y - low[:, 1]) * slope)
-    first, second, third = points[triangles.T]
-    normals = np.cross(second - first, third - first)
-    rise = dot(normals, first - queries)
-    return odd & (rise * normals[:, 2] > 0)

@@ -23,8 +23,9 @@ from ..validation import (
     one_line,
     read_only,
 )
+from .closing import Closing, closing
 from .faces import face_areas, face_normals, vertex_normals
-from .section import Inside
+from .inside import Inside
 from .topology import (
     Topology,
     VertexNeighbors,
@@ -59,6 +60,10 @@ class _Mesh:
         if self.topology.is_consistently_wound:
             return self.triangles
         return read_only(consistently_wound(self.triangles)[0])
+
+    @cached_property
+    def closing(self) -> Closing:
+        return closing(self.triangles, self.topology)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -148,17 +153,34 @@ class Surface:
         """Unit normals (n, 3) of the points, the faces' weighted with their areas."""
         return read_only(vertex_normals(self.points, self.triangles))
 
-    def contains(self, places: Points) -> Flags:
-        """Whether each place (k, 3) lies inside of the surface, mm, whatever its winding.
+    @property
+    def closing(self) -> Closing:
+        """How every part of it is closed; looked at once as the topology is."""
+        return self._mesh.closing
 
-        It has to be closed: else answers mean little. A place exactly on it may come out either
-        way.
+    @cached_property
+    def closed(self) -> Surface:
+        """The surface with a fan of triangles over every hole, to the middle of its rim."""
+        if not len(self.closing.rims):
+            return self
+        fans = self.closing.fans(len(self.points))
+        points = np.vstack([self.points, self.closing.middles(self.points)])
+        return Surface(points, np.vstack([self.triangles, fans]))
+
+    def contains(self, places: Points) -> Flags:
+        """Whether each place (k, 3), mm, lies inside of the surface or on it, see `Inside`.
+
+        Whatever its winding; open ends count as closed by `closed`. Inside of any part of it
+        counts, so that a lumen is inside also where its outer wall is in the same surface.
         """
         return self._inside.contains(places)
 
     @cached_property
     def _inside(self) -> Inside:
-        return Inside(self.points, self.triangles)
+        known = self.closing
+        points = np.vstack([self.points, known.middles(self.points)])
+        triangles = np.vstack([known.triangles, known.fans(len(self.points))])
+        return Inside(points, triangles, np.r_[known.part, known.hole_part[known.hole]])
 
     def _keep(self, points: Points, mesh: _Mesh) -> None:
         object.__setattr__(self, "points", read_only(points))

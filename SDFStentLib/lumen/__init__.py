@@ -9,11 +9,7 @@ from .caps import off_caps as off_caps
 from .caps import wall_of as wall_of
 from .closed_ends import OpenWall as OpenWall
 from .closed_ends import open_at_ends as open_at_ends
-from .closed_surface import VesselInside as VesselInside
-from .closed_surface import closed_surface as closed_surface
-from .closed_surface import holes_of as holes_of
 from .cross_section import equivalent_diameters as equivalent_diameters
-from .cross_section import winding_numbers as winding_numbers
 from .expected_wall import FARTHEST as FARTHEST
 from .expected_wall import Tube as Tube
 from .expected_wall import across_alone as across_alone
@@ -54,6 +50,7 @@ from .stretch import FaceStretch as FaceStretch
 from .stretch import displacements as displacements
 from .stretch import face_stretches as face_stretches
 from .stretch import triangle_sizes as triangle_sizes
+from .vessel_inside import VesselInside as VesselInside
 from .wall_map import RAYS as RAYS
 from .wall_map import near_wall as near_wall
 from .wall_map import rays_from as rays_from

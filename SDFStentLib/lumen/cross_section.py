@@ -1,4 +1,4 @@
-"""The cross-section of the lumen round an axis point, and whether the point is inside at all."""
+"""The cross-section of the lumen round an axis point."""
 
 from __future__ import annotations
 
@@ -11,12 +11,6 @@ from .section_areas import section_areas
 
 _STATIONS = 64
 """Stations cut together: keeps the part of the surface local."""
-
-_TOGETHER = 8192
-"""Triangles looked at together: what is computed of them stays in the processor's cache."""
-
-_IN_PLANE = 1e-9
-"""Height below which a point lies in a triangle's plane, mm."""
 
 
 def equivalent_diameters(
@@ -94,39 +88,3 @@ def _holds_origin(polygon: Floats) -> bool:
 def _polygon_area(polygon: Floats) -> float:
     following = np.roll(polygon, -1, axis=0)
     return abs(float(np.sum(polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0])) / 2)
-
-
-def winding_numbers(queries: Points, points: Points, triangles: Triangles) -> Floats:
-    """How often the surface goes round each query (absolute value); a half for one on it.
-
-    Sum of solid angles over 4 pi: van Oosterom and Strackee 1983, doi 10.1109/TBME.1983.325207.
-    """
-    total = np.zeros(len(queries))
-    # Coordinates in rows of their own: NumPy takes several times longer over rows of three.
-    columns, corners = np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T)
-    for start in range(0, len(triangles) if len(queries) else 0, _TOGETHER):
-        places = [columns.take(corner[start : start + _TOGETHER], axis=1) for corner in corners]
-        for number, query in enumerate(queries):
-            total[number] += _solid_angles(*(place - query[:, None] for place in places)).sum()
-    return np.abs(total) / (4 * np.pi)
-
-
-def _solid_angles(a: Floats, b: Floats, c: Floats) -> Floats:
-    """Those (m,) of triangles as seen from the origin, from their corners (3, m) each."""
-    la, lb, lc = (np.sqrt(_dot(arm, arm)) for arm in (a, b, c))
-    volume = (
-        a[0] * (b[1] * c[2] - b[2] * c[1])
-        + a[1] * (b[2] * c[0] - b[0] * c[2])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
-    angle = 2 * np.arctan2(
-        volume, la * lb * lc + _dot(a, b) * lc + _dot(b, c) * la + _dot(c, a) * lb
-    )
-    # Of a triangle in whose plane the origin lies, rounding would tell the side.
-    angle[np.abs(volume) <= _IN_PLANE * (la * lb + lb * lc + lc * la)] = 0.0
-    return np.asarray(angle)
-
-
-def _dot(one: Floats, other: Floats) -> Floats:
-    """Scalar products (m,) of columns (3, m)."""
-    return np.asarray(one[0] * other[0] + one[1] * other[1] + one[2] * other[2])

@@ -18,7 +18,6 @@ from ..cautions import Caution
 from ..geometry import Line, Surface, as_line, as_surface, frames, segment_count
 from ..validation import Flags, Floats, Indices, InputError, Points, Triangles, read_only
 from .closed_ends import open_at_ends, past_closed_ends
-from .cross_section import winding_numbers
 from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, section_radius
 from .openings import labels_round
 from .rounded_ends import past_rounded_ends
@@ -71,9 +70,6 @@ def cut_at_ostia(
     is_cut &= np.isfinite(whole)
     return np.where(is_cut, np.fmin(whole, equivalent), equivalent), is_cut
 
-
-_WINDING_INSIDE = 0.3
-"""Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
 
 _APART = 1.0
 """Distance of the stations that are measured, mm, of which as many as are asked for are told."""
@@ -266,7 +262,7 @@ def profile_of(
 
     # A closed section round the station proves that it is inside; the few others are looked at.
     outside = np.flatnonzero(np.isnan(equivalent))
-    outside = outside[winding_numbers(stations[outside], points, triangles) < _WINDING_INSIDE]
+    outside = outside[~surface.contains(stations[outside])]
     centers, inscribed = spheres.centers.copy(), 2 * spheres.radii
     centers[outside], inscribed[outside] = np.nan, np.nan
     lowest = [at for at in _lowest(inscribed, parts[-1]) if own.radii[at] == spheres.radii[at]]

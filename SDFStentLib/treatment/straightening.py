@@ -208,7 +208,7 @@ def _turned(
     best: tuple[Way, Permitted] | None = None
     for keeps in kept:
         way = way_keeping(keeps)
-        found = permitted(way, stent.radius, lumen.closed, told.fraction)
+        found = permitted(way, stent.radius, lumen.surface.closed, told.fraction)
         if best is None or found.fraction > best[1].fraction + NOTICEABLE:
             best = (way, found)
         if found.fraction > told.fraction - NOTICEABLE:

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..centerline import BranchLumen, Centerline
 from ..geometry import Surface, norm
-from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until, closed_surface, holes_of
-from ..validation import Flags, Floats, Indices, InputError, Points
+from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until
+from ..validation import Floats, Indices, InputError
 from .runs import VesselRun
 
 _SAFELY = 1 + 1e-9
@@ -24,10 +24,6 @@ leans or is round."""
 
 TOLERANCE = 1e-4
 """Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
-
-
-_ROUGHLY = 0.95
-"""Share of a rough sphere that surely holds no wall."""
 
 
 def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
@@ -63,9 +59,8 @@ class TreeLumen:
         until = Until(TOLERANCE, _SAFELY / END_REACH * self._to_end)
         wall = LocalSurface(surface.points, surface.triangles, stations)
         self.spheres = StationSearch(wall, stations, directions, until)
-        centers, radii = self.spheres.rough
-        self._is_in = are_in_lumen(stations, InscribedSpheres(centers, _ROUGHLY * radii), surface)
-        if not (self._is_in & np.isfinite(radii)).any():
+        self._is_in = surface.contains(stations)
+        if not (self._is_in & np.isfinite(self.spheres.rough.radii)).any():
             raise InputError(
                 "lesions: expected a centerline inside of the surface, got one that is outside "
                 "everywhere; check that both are of one patient and in one unit."
@@ -126,24 +121,3 @@ def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
         # In a straight line: where a line wanders, the way along it is longer.
         found.append(np.min([norm(lumen.points - end) for end in ends], axis=0))
     return found
-
-
-def are_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) -> Flags:
-    """Which stations (n,) are inside; those that one sphere without any wall holds are on one side.
-
-    A sphere at an open end looks out of it: what is so near to a hole is asked for by itself.
-    """
-    if not len(stations):
-        return np.zeros(0, dtype=bool)
-    centers, radii = spheres
-    holes = holes_of(surface)
-    for middle, reach in zip(holes.middles, holes.radii, strict=True):
-        radii = np.minimum(radii, np.linalg.norm(centers - middle, axis=1) - reach)
-    margin = radii - np.linalg.norm(stations - centers, axis=1)
-    holds = margin > 0
-    holds_next = np.linalg.norm(stations[1:] - centers[:-1], axis=1) < radii[:-1]
-    group = np.cumsum(np.r_[True, ~(holds[:-1] & holds_next)]) - 1
-    # A line may begin a little outside of a cap.
-    deepest = np.lexsort((-np.nan_to_num(margin), group))
-    asked = deepest[np.searchsorted(group, np.arange(group[-1] + 1))]
-    return np.asarray(closed_surface(surface).contains(stations[asked])[group])

@@ -21,7 +21,6 @@ from ..lumen import (
     with_passing,
 )
 from ..validation import Flags, Floats, Points, as_place
-from .branch_lumen import are_in_lumen
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
 from .lesion_value import Lesion
 from .plateaus import runs_of
@@ -136,7 +135,7 @@ def _spheres(
     parts = np.split(np.arange(len(places)), ends)
     found = with_own_spheres(wall, places, ways, search.exact(), parts)
     if after is not None:
-        found.radii[~are_in_lumen(places, found, after)] = np.nan
+        found.radii[~after.contains(places)] = np.nan
     return [found.at(part) for part in parts]
 
 

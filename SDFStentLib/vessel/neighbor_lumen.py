@@ -17,7 +17,6 @@ from ..lumen import (
     SUSPECT,
     Stations,
     across_alone,
-    closed_surface,
     near_wall,
     rays_from,
 )
@@ -135,7 +134,7 @@ class NeighborStations:
         # Where no section goes round a station, the wall may have been moved past it.
         doubtful = np.flatnonzero(np.isnan(after.equivalent))
         if len(doubtful):
-            is_in = closed_surface(self._final).contains(self.points[doubtful])
+            is_in = self._final.contains(self.points[doubtful])
             measured[1, 0, doubtful[~is_in]] = np.nan
         ends = np.cumsum([len(at) for at in self._worst])[:-1]
         each = zip(self._parts, self._worst, np.split(measured, ends, axis=2), strict=False)

@@ -1,0 +1,85 @@
+"""The parts of a surface, each closed: what has an inside, whatever holes and winding it has."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..validation import Indices, Points, Triangles
+from .fans import component_labels
+from .topology import Topology, consistently_wound, edges
+
+
+class Closing(NamedTuple):
+    """The parts that are joined by edges of two triangles, and what each of them leaves open.
+
+    Attributes
+    ----------
+    triangles : (m, 3) array
+        Those of the surface, neighbors wound alike.
+    part : (m,) array of int
+        To which part each belongs.
+    rims : (r, 2) array
+        The edges that a part leaves open, in the direction of its triangles.
+    hole : (r,) array of int
+        Round which hole each goes.
+    hole_part : (h,) array of int
+        The part in which each hole is.
+    """
+
+    triangles: Triangles
+    part: Indices
+    rims: Indices
+    hole: Indices
+    hole_part: Indices
+
+    def middles(self, points: Points) -> Points:
+        """Mean (h, 3) of the ends of the edges round each hole, mm."""
+        holes = len(self.hole_part)
+        ends = points[self.rims].mean(axis=1)
+        sums = [np.bincount(self.hole, column, holes) for column in ends.T]
+        return np.stack(sums, axis=1) / np.bincount(self.hole, minlength=holes)[:, None]
+
+    def fans(self, point_count: int) -> Triangles:
+        """Triangles (r, 3) from every rim to the middle of its hole; middles follow the points."""
+        return np.column_stack([self.rims[:, ::-1], point_count + self.hole])
+
+
+def closing(triangles: Triangles, topology: Topology) -> Closing:
+    """How the parts of a surface are closed by a fan over every hole.
+
+    Where more than two triangles meet at an edge, as where a membrane meets the wall, each part is
+    closed there by itself.
+    """
+    none = np.empty(0, np.int64)
+    is_simple = topology.is_edge_manifold and topology.is_consistently_wound
+    part = np.zeros(len(triangles), dtype=np.int64)
+    if not is_simple or topology.component_count > 1:
+        triangles, part = consistently_wound(triangles)
+    if is_simple and topology.is_closed:
+        return Closing(triangles, part, none.reshape(0, 2), none, none)
+    rims, rim_part = _rims(triangles, part)
+    nodes, ends = np.unique(rim_part[:, None] + (part.max() + 1) * rims, return_inverse=True)
+    ends = ends.reshape(-1, 2)
+    hole = component_labels(len(nodes), ends[:, 0], ends[:, 1])[ends[:, 0]]
+    hole_part = np.zeros(int(hole.max(initial=-1)) + 1, dtype=np.int64)
+    hole_part[hole] = rim_part
+    return Closing(triangles, part, rims, hole, hole_part)
+
+
+def _rims(triangles: Triangles, part: Indices) -> tuple[Indices, Indices]:
+    """The boundary of every part as a chain: edges (r, 2) that its triangles do not run along as
+    often one way as the other, as often as that, and the part (r,) of each."""
+    found, parts = edges(triangles), int(part.max()) + 1
+    keys, number = np.unique(
+        found.face_edges.ravel() * parts + np.repeat(part, 3), return_inverse=True
+    )
+    ahead = np.sign(np.roll(triangles, -1, axis=1) - triangles).ravel()
+    net = np.bincount(number.reshape(-1), ahead, len(keys)).astype(np.int64)
+    open_keys = np.repeat(keys, np.abs(net))
+    edge, rim_part = np.divmod(open_keys, parts)
+    rims = found.vertices[edge]
+    is_back = np.repeat(net < 0, np.abs(net))
+    rims[is_back] = rims[is_back][:, ::-1]
+    return rims, rim_part
