@@ -42,6 +42,18 @@ TEMPLATES = {
     "unit-in-file": "it says that it is in {unit}, not {wanted}.",
     "frame-turned": "it is in {frame}, the surface in {wanted}; its x and y were negated.",
     "partly-outside": "{outside_percent:.0f} % of its points lie outside of {surface}.",
+    "points-joined": (
+        "{points} of its points lie on others without being shared, as where parts were appended "
+        "or normals split: they count as one with those, and are written as they were. A mesher "
+        "sees open seams there: merge them first (Slicer: Surface Toolbox, Clean; ParaView: Clean "
+        "to Grid; MeshLab: Merge Close Vertices)."
+    ),
+    "ghost-cells": "{cells} ghost or hidden cells are left out, and are written as they were.",
+    "triangles-again": (
+        "{triangles} triangles lie on others a second time, or are collapsed between these: they "
+        "are no wall, and are written as they were. A mesher refuses them: remove them first "
+        "(MeshLab: Remove Duplicate Faces)."
+    ),
     "face-names-not-read": "names of faces are not read: {reason}",
     "arrays-not-kept": "{format} cannot keep the arrays {arrays}; write .vtp to keep them.",
     "line-arrays-not-kept": "arrays are not kept in .mrk.json; write .vtp.",

@@ -69,7 +69,7 @@ WITH_PANEL = FILES + sorted((PROJECT / "SDFStent" / "SDFStentSlicer").rglob("*.p
 VTK_GATE = {  # the only files that may import vtk themselves
     "files/polydata.py", "files/centerline_files.py", "files/centerline_output.py",
     "files/surface_files.py", "files/surface_output.py", "files/triangulation.py",
-    "files/model_faces.py", "files/same_space.py",
+    "files/model_faces.py", "files/same_space.py", "files/ghosts.py",
     "files/formats/vtk_files.py", "files/vmtk_process.py",
     "files/formats/vtk_quiet.py",
     "report/picture/painter.py",

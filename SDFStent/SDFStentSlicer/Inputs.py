@@ -9,6 +9,7 @@ from SDFStentLib import treatment
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import (
     check_joined,
+    composition_warnings,
     faces_of_polydata,
     size_warnings,
     surface_from_polydata,
@@ -66,8 +67,10 @@ class Inputs:
             surface = yield from inPortions(lambda: surface_from_polydata(polyData, name))
             yield from inPortions(lambda: check_joined(surface, name))
             corners = yield from inPortions(lambda: cornersOf(polyData))
-            remark = yield from inPortions(lambda: _sizeRemark(surface, node.GetName()))
-            faces = faces_of_polydata(polyData)
+            size = yield from inPortions(lambda: _sizeRemark(surface, node.GetName()))
+            known = [str(caution) for caution in composition_warnings(surface, node.GetName())]
+            remark = "\n".join(filter(None, [size, *known]))
+            faces = faces_of_polydata(polyData, surface)
             self._vessel = (stamp, Vessel(surface, polyData, faces, corners, remark))
         return self._vessel[1]
 

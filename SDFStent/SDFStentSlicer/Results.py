@@ -322,7 +322,7 @@ def mapOf(run, chosen):
     """Values of a surface map and whether they belong to the cells."""
     if chosen == SurfaceMap.DISPLACEMENT:
         return displacements(run.surface.points, run.points), False
-    return face_stretches(run.surface, run.points).area, True
+    return run.surface.to_given(face_stretches(run.surface, run.points).area), True
 
 
 def showMap(parameterNode, run):

@@ -61,7 +61,7 @@ def vesselWithNaN(parameters, scene):
 
 def vesselOfLooseTriangles(parameters, scene):
     split = vtk.vtkShrinkPolyData()
-    split.SetShrinkFactor(1.0)
+    split.SetShrinkFactor(0.9)
     split.SetInputData(parameters.vessel.GetPolyData())
     split.Update()
     parameters.vessel.SetAndObservePolyData(split.GetOutput())

@@ -71,8 +71,8 @@ class Certificate:
 
     @property
     def is_watertight(self) -> bool:
-        """Closed and manifold."""
-        return self.topology.is_watertight
+        """Closed and manifold, and no points have to be merged for that."""
+        return self.topology.is_watertight and not self.topology.unshared_points
 
     @property
     def is_manifold(self) -> bool:
@@ -154,7 +154,7 @@ def certify(
     Parameters
     ----------
     before : Surface
-        The input.
+        The input, of which all that is `whole` is looked at.
     after : Surface, or array_like of shape (n, 3)
         The result: with the same triangles, or its points, mm.
     moved : array_like, optional
@@ -169,29 +169,31 @@ def certify(
         No surface, a result that is not one of it, or coordinates too large for the type.
     """
     after = state_of(as_surface(before, "before"), after)
-    comparison = Comparison(before.points, before.wound_triangles, precision)
+    whole = before.whole
+    comparison = Comparison(whole.points, whole.wound_triangles, precision)
     may_move = _mask(moved, len(before.points))
     verdict = comparison.verdict(after.points, may_move=may_move)
-    return certificate_of(verdict, comparison.new_slivers(verdict), before.topology)
+    return certificate_of(verdict, comparison.new_slivers(verdict), whole)
 
 
 def certificate_of(
     verdict: Verdict,
     new_slivers: Slivers,
-    topology: Topology,
+    surface: Surface,
     motion: tuple[MotionCheck, ...] = (),
     lumen: tuple[LumenCheck, ...] = (),
 ) -> Certificate:
-    """The certificate of a result that was compared with its input."""
+    """The certificate of a result that was compared with its input, a surface."""
+    given = surface.given_numbers
     return Certificate(
-        topology=topology,
+        topology=surface.topology,
         moved_points=int(np.count_nonzero(verdict.has_moved)),
-        self_intersecting_before=read_only(np.unique(verdict.pairs_before)),
-        self_intersecting_after=read_only(np.unique(verdict.pairs)),
-        new_self_intersecting=read_only(verdict.new_self_intersecting),
-        new_inverted=read_only(verdict.new_inverted),
-        new_degenerate=read_only(verdict.new_degenerate),
-        new_slivers=new_slivers,
+        self_intersecting_before=read_only(given(np.unique(verdict.pairs_before))),
+        self_intersecting_after=read_only(given(np.unique(verdict.pairs))),
+        new_self_intersecting=read_only(given(verdict.new_self_intersecting)),
+        new_inverted=read_only(given(verdict.new_inverted)),
+        new_degenerate=read_only(given(verdict.new_degenerate)),
+        new_slivers=new_slivers._replace(triangles=given(new_slivers.triangles)),
         places=verdict.places,
         motion=motion,
         lumen=lumen,

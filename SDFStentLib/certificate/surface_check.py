@@ -47,8 +47,8 @@ class SurfaceCheck:
 
     @property
     def is_watertight(self) -> bool:
-        """Closed and manifold."""
-        return self.topology.is_watertight
+        """Closed and manifold, and no points have to be merged for that."""
+        return self.topology.is_watertight and not self.topology.unshared_points
 
     @property
     def is_manifold(self) -> bool:
@@ -93,6 +93,7 @@ class SurfaceCheck:
             "orientable": self.topology.is_orientable,
             "boundary_edges": self.topology.boundary_edge_count,
             "components": self.topology.component_count,
+            "unshared_points": self.topology.unshared_points,
             "inside_out": self.is_inside_out,
             "flipped_triangles": self.flipped_triangles.tolist(),
             "inverted_triangles": self.inverted_triangles.tolist(),
@@ -109,6 +110,7 @@ def check_surface(surface: Surface, *, precision: Precision | None = None) -> Su
     Parameters
     ----------
     surface : Surface
+        All that is `whole` of it is looked at.
     precision : Precision, optional
         Type and unit of the stored coordinates; the check is on these. By default as they are.
 
@@ -117,7 +119,8 @@ def check_surface(surface: Surface, *, precision: Precision | None = None) -> Su
     InputError
         No surface, or coordinates that are too large for the type.
     """
-    points, triangles = as_surface(surface).points, surface.triangles
+    surface = as_surface(surface).whole
+    points, triangles, given = surface.points, surface.triangles, surface.given_numbers
     precision = precision or Precision()
     wound, stored = surface.wound_triangles, precision.stored(points)
     topology = surface.topology
@@ -128,13 +131,14 @@ def check_surface(surface: Surface, *, precision: Precision | None = None) -> Su
     degenerate = degenerate_triangles(stored, triangles)
     others = np.setdiff1d(np.arange(len(triangles)), degenerate)
     faults = np.r_[intersecting, inverted, degenerate]
+    slivers = slivers_among(stored / precision.scale, triangles, others)
     return SurfaceCheck(
         topology=topology,
         is_outward=topology.is_oriented and signed_volume(stored, triangles) > 0,
-        inverted_triangles=read_only(inverted),
-        degenerate_triangles=read_only(degenerate),
-        slivers=slivers_among(stored / precision.scale, triangles, others),
-        self_intersecting_triangles=read_only(intersecting),
+        inverted_triangles=read_only(given(inverted)),
+        degenerate_triangles=read_only(given(degenerate)),
+        slivers=slivers._replace(triangles=given(slivers.triangles)),
+        self_intersecting_triangles=read_only(given(intersecting)),
         places=tuple(spots_of(points, triangles, faults, pairs)),
-        flipped_triangles=read_only(np.flatnonzero((wound != triangles).any(axis=1))),
+        flipped_triangles=read_only(given(np.flatnonzero((wound != triangles).any(axis=1)))),
     )

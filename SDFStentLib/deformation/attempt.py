@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from ..certificate import Comparison, MotionCheck
 from ..field import CapsuleChain
-from ..geometry import consistently_wound, dot, vertex_normals
+from ..geometry import consistently_wound, dot, twins, vertex_normals
 from ..lumen import caps_across
 from ..validation import DeploymentError, Points, Triangles
 from .draped import draped
 from .event_steps import event_steps, published_steps
 from .lumen import COARSEST_REACH, Expanded, OwnWall, drawn_in, facets_compensated, finished
 from .motion import Motion
-from .patch import Patch, twins
+from .patch import Patch
 from .stent_checks import motion_check
 from .untangle import Relief, Tangle, taken_apart
 from .values import DeploymentState, DeploymentTask
@@ -79,11 +79,12 @@ class Attempt:
         companions = task.companions.copy()
         companions[self.numbers[dragged] - len(task.surface.points)] = self.positions[dragged]
         companions[self._copies] = companions[self._copied]
+        indices, coordinates = task.surface.followed(self.numbers[wall], self.positions[wall])
         return DeploymentState(
             radius=task.radius - max(target - level, 0.0),
             fraction=min(level / target, 1.0) * (1 - 1e-9),
-            indices=self.numbers[wall],
-            coordinates=self.positions[wall],
+            indices=indices,
+            coordinates=coordinates,
             companions=companions,
         )
 
@@ -94,7 +95,7 @@ class Attempt:
             self.motion.settled(self.task.target_level)
             positions = self._on_lumen()
         self.motion.freeze()
-        self.positions = self._with_closed_seams(positions)
+        self.positions = positions
 
     def motion_check(self) -> MotionCheck:
         """How far the wall has moved, against what the method can move."""
@@ -144,8 +145,7 @@ class Attempt:
         if not len(local):
             return 0
         wound = self.patch.triangles
-        # Only at seams are triangles joined here that are not on the surface.
-        if self.patch.has_seams or not task.is_known_consistently_wound:
+        if not task.is_known_consistently_wound:
             wound, _ = consistently_wound(wound)
         comparison = Comparison(self.patch_start, wound, task.precision)
         wall, others = np.split(self.positions, [self.wall_count])
@@ -153,13 +153,8 @@ class Attempt:
         best = taken_apart(self.motion, task.target_level, comparison, folded, self._uncompensated)
         self.relief = best.relief
         wall = best.positions[: self.wall_count]
-        self.positions = self._with_closed_seams(np.concatenate([wall, others]))
+        self.positions = np.concatenate([wall, others])
         return best.rounds
-
-    def _with_closed_seams(self, positions: Points) -> Points:
-        """Points that are stored more than once where the first of them went."""
-        twin = self.patch.twin[: self.wall_count]
-        return np.concatenate([positions[twin], positions[self.wall_count :]])
 
     def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
         """The points that can move, and their numbers among points and companions."""
@@ -175,9 +170,10 @@ class Attempt:
         wall, near_wall = wall[is_used], near_wall[is_used]
         dragged, near_dragged = within_reach(task.companions, task.capsules, reach)
         # A tree and the file that it was made of, or overlapping lines, have the same points.
-        twin = twins(task.companions[dragged])
-        is_first = twin == np.arange(len(twin))
-        self._copies, self._copied = dragged[~is_first], dragged[twin[~is_first]]
+        twin = twins(task.companions, dragged)
+        is_first = np.ones(len(dragged), dtype=bool) if twin is None else twin[dragged] == dragged
+        self._copies = dragged[~is_first]
+        self._copied = self._copies if twin is None else twin[self._copies]
         dragged, near_dragged = dragged[is_first], near_dragged[is_first]
         numbers = np.concatenate([wall, len(points) + dragged])
         motion = Motion(
@@ -210,7 +206,7 @@ class Attempt:
             )
         if normals is None:
             normals = vertex_normals(task.surface.points, task.outward_triangles)
-            normals = normals[self.numbers[wall]][self.patch.twin[wall]]
+            normals = normals[self.numbers[wall]]
         if gap > 0:
             offset = np.zeros(len(self.motion.level))
             offset[wall] = tissue_offset(normals, direction, ramp, gap)
@@ -255,8 +251,7 @@ class Attempt:
         tissue = np.ones(len(self.patch.vertices))
         tissue[: self.wall_count] = self._tissue
         sides = np.concatenate([self.patch.triangles[:, :2], self.patch.triangles[:, 1:]])
-        share = own_share(sides, tissue, self.patch.twin[nearest])
-        return share[self.patch.twin[: self.wall_count]]
+        return own_share(sides, tissue, nearest)[: self.wall_count]
 
 
 def away_from_wall(task: DeploymentTask) -> DeploymentError:

@@ -101,8 +101,12 @@ class Deployment(DeploymentTask):
         motion, certificate = attempt.motion_check(), None
         if self.settings.certify and verdict is not None:
             lumen = self.lumen_checks(self.surface, after)
+            whole = self.surface.whole
+            if whole is not self.surface:
+                comparison = Comparison(whole.points, whole.wound_triangles, self.precision)
+                verdict = comparison.verdict(after.points)
             slivers = comparison.new_slivers(verdict)
-            certificate = certificate_of(verdict, slivers, self.surface.topology, (motion,), lumen)
+            certificate = certificate_of(verdict, slivers, whole, (motion,), lumen)
         return DeploymentResult(
             state=state,
             surface=after,

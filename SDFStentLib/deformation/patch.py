@@ -23,21 +23,17 @@ class Patch:
     faces : (m,) array
         Their numbers in the whole surface.
     triangles : (m, 3) array
-        The same faces in patch numbers: first the active vertices, then the rim. Of vertices at
-        the same coordinates all faces have the first, so that a seam does not open.
+        The same faces in patch numbers: first the active vertices, then the rim.
     vertices : (n,) array
         Numbers of the patch's vertices in the whole surface.
     active_count : int
         Active vertices are `0 .. active_count - 1`; the others never move.
-    twin : (n,) array
-        The first vertex at the coordinates of each; itself but at seams.
     """
 
     faces: NDArray[np.int64]
     triangles: Triangles
     vertices: NDArray[np.int64]
     active_count: int
-    twin: NDArray[np.int64]
 
     @classmethod
     def around(cls, surface: Surface, active: NDArray[np.int64]) -> Patch:
@@ -53,13 +49,11 @@ class Patch:
         rim = np.unique(corners[number[corners] < 0])
         number[rim] = len(active) + np.arange(len(rim))
         vertices = np.concatenate([active, rim])
-        twin = twins(points[vertices])
         return cls(
             read_only(faces),
-            read_only(twin[number[corners]]),
+            read_only(number[corners]),
             read_only(vertices),
             len(active),
-            read_only(twin),
         )
 
     def points(self, whole: Points, active: Points) -> Points:
@@ -93,16 +87,11 @@ class Patch:
         """
         if not (is_consistently_wound or self._is_consistently_wound()):
             return None
-        normals = vertex_normals(points, self.triangles)[self.twin[: self.active_count]]
+        normals = vertex_normals(points, self.triangles)[: self.active_count]
         count = max(1, len(distance) // 20)
         nearest = np.argpartition(distance, count - 1)[:count]
         facing = dot(normals[nearest], direction[nearest]).sum()
         return normals if facing >= 0 else -normals
-
-    @property
-    def has_seams(self) -> bool:
-        """Whether some vertices lie at the same coordinates."""
-        return bool((self.twin != np.arange(len(self.twin))).any())
 
     @property
     def has_several_parts(self) -> bool:
@@ -116,18 +105,3 @@ class Patch:
         start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
         keys = np.sort(start * (len(self.vertices) + 1) + end)
         return not (keys[1:] == keys[:-1]).any()
-
-
-def twins(points: Points) -> NDArray[np.int64]:
-    """The first point at the coordinates of each."""
-    twin = np.arange(len(points))
-    # Equal coordinates have equal sums: without equal sums there is nothing to look for.
-    sums = np.sort(points[:, 0] + np.e * points[:, 1] + np.pi * points[:, 2])
-    if not (sums[1:] == sums[:-1]).any():
-        return twin
-    order = np.lexsort(points.T[::-1])
-    repeats = np.zeros(len(points), dtype=bool)
-    repeats[1:] = (points[order[1:]] == points[order[:-1]]).all(axis=1)
-    # A stable sort keeps the lowest number first among equals.
-    twin[order] = order[np.maximum.accumulate(np.where(repeats, 0, np.arange(len(points))))]
-    return twin

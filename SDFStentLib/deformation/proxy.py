@@ -131,13 +131,13 @@ class Proxy:
         moved = _expanded(task, rule, start, wall.normals[level.sample])
         cells = wall.cells_near(task.capsules, reach + level.spacing)
         rows, displacement = _carried(wall, level, cells, moved.displacement)
-        indices = wall.vertices[rows]
         before = _taken(wall, rows, points)
+        indices, coordinates = self.surface.followed(wall.vertices[rows], before + displacement)
         state = DeploymentState(
             radius=task.radius,
             fraction=1.0,
             indices=indices,
-            coordinates=before + displacement,
+            coordinates=coordinates,
             companions=moved.companions,
         )
         normals = wall.normals[level.sample[moved.near]]

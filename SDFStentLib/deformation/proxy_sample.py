@@ -12,7 +12,6 @@ from ..field import CapsuleChain
 from ..geometry import Surface, dot, face_areas, oriented_triangles, ranges, signed_volume
 from ..geometry import vertex_normals as normals_at
 from ..validation import Floats, Indices, Points, Triangles
-from .patch import twins
 
 CELL = 4.0
 """Edge of the cells that a wall's vertices are stored in, mm."""
@@ -48,19 +47,19 @@ class SampledWall:
     vertices : (n,) array
         Their numbers in the surface; rows of the other arrays go in this order.
     points, normals : (n, 3) arrays
-        mm, and unit length. Vertices at the same coordinates have the same normal.
+        mm, and unit length.
     probes : (k, 3) array
         Points of it, evenly spread among all, mm.
     """
 
     def __init__(self, surface: Surface, inside: Points) -> None:
         self.surface = surface
-        twin = twins(surface.points)
-        triangles = twin[_outward(surface, inside)]
-        normals = normals_at(surface.points, triangles)[twin]
+        triangles = _outward(surface, inside)
+        normals = normals_at(surface.points, triangles)
         area = np.repeat(face_areas(surface.points, triangles) / 3, 3)
-        shares = np.bincount(surface.triangles.ravel(), area, minlength=len(twin))
-        is_used = np.zeros(len(twin), dtype=bool)
+        count = len(surface.points)
+        shares = np.bincount(surface.triangles.ravel(), area, minlength=count)
+        is_used = np.zeros(count, dtype=bool)
         is_used[surface.triangles.ravel()] = True
         used = np.flatnonzero(is_used)
         order, self.starts = _in_cells(surface.points[used], CELL)

@@ -17,6 +17,7 @@ from .centerline_files import read_lines as read_lines
 from .centerline_output import check_line_output as check_line_output
 from .centerline_output import write_centerline as write_centerline
 from .centerline_output import write_extracted_lines as write_extracted_lines
+from .composition import composition_warnings as composition_warnings
 from .content import read_text as read_text
 from .extraction import check_vmtk as check_vmtk
 from .extraction import extract_lines as extract_lines

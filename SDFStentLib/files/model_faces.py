@@ -13,7 +13,7 @@ from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
-from ..geometry import NamedFaces
+from ..geometry import NamedFaces, Surface
 from ..validation import InputError
 from .content import read_content
 from .formats.mdl_faces import LARGEST, mdl_face_names
@@ -48,9 +48,9 @@ def names_beside(path: Path) -> tuple[dict[int, str], tuple[Caution, ...]]:
 
 
 def faces_of_polydata(
-    polydata: vtkPolyData, names: Mapping[int, str] | None = None
+    polydata: vtkPolyData, surface: Surface, names: Mapping[int, str] | None = None
 ) -> NamedFaces | None:
-    """The faces of polydata of triangles; None where it does not tell them.
+    """The faces of a surface made of polydata of triangles; None where that does not tell them.
 
     Names that it holds itself go before those given.
     """
@@ -60,7 +60,7 @@ def faces_of_polydata(
     ids = np.asarray(vtk_to_numpy(array))
     if not np.issubdtype(ids.dtype, np.integer) or len(ids) != polydata.GetNumberOfPolys():
         return None
-    return NamedFaces(ids, {**(names or {}), **_names(polydata)})
+    return NamedFaces(surface.of_given(ids), {**(names or {}), **_names(polydata)})
 
 
 def set_face_names(polydata: vtkPolyData, names: Mapping[int, str]) -> None:

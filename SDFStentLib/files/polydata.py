@@ -14,6 +14,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPointSet, vtkPolyData
 from ..geometry import Surface
 from ..units import Frame, as_frame
 from ..validation import InputError, Points, as_patient_points, as_points, as_triangles
+from .ghosts import ghosts_of_polydata
 
 RADIUS_ARRAYS = ("MaximumInscribedSphereRadius", "Radius")
 """Point arrays of centerlines that hold the inscribed radius: VMTK's name, then SlicerVMTK's."""
@@ -50,12 +51,12 @@ def surface_from_polydata(
     Returns
     -------
     Surface
-        A copy; row i of the triangles is cell i of the polydata.
+        A copy, made of the cells of the polydata but for ghosts; see its `cells`.
 
     Raises
     ------
     InputError
-        Other cells than triangles, no triangle, an index without a point, NaN or infinity.
+        Other cells than triangles, none but ghosts, an index without a point, NaN or infinity.
     """
     cells = polygons_from_polydata(polydata, name)
     count = len(cells.offsets) - 1
@@ -65,7 +66,14 @@ def surface_from_polydata(
         raise InputError(f"{name}: expected at least one triangle, got none.")
     points = _coordinates(polydata)
     points *= scale
-    return Surface(points, cells.corners.reshape(-1, 3), name)
+    triangles = cells.corners.reshape(-1, 3)
+    is_ghost = ghosts_of_polydata(polydata, triangles)
+    if is_ghost is not None and is_ghost.all():
+        raise InputError(
+            f"{name}: expected at least one triangle, got {count} ghost cells and nothing else; "
+            "save the surface without ghosts, or the piece that it is of."
+        )
+    return Surface(points, triangles, name, is_ghost)
 
 
 def _coordinates(polydata: vtkPolyData) -> Points:

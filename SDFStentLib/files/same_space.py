@@ -86,7 +86,8 @@ def check_joined(surface: Surface, name: str) -> None:
     if 1 < triangles == parts:
         raise InputError(
             f"{name}: expected triangles that share their points, got {triangles} that share none, "
-            "so they bound no vessel; merge equal points first (in Slicer: Surface Toolbox, Clean)."
+            "and lie apart, so they bound no vessel; join them first (MeshLab: Merge Close "
+            "Vertices)."
         )
 
 

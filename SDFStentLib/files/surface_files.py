@@ -18,6 +18,7 @@ from ..cautions import Caution
 from ..geometry import NO_HEIGHT, NamedFaces, Precision, Surface, dot
 from ..units import Frame, millimeters_per
 from ..validation import InputError, Points, Triangles, as_points
+from .composition import composition_warnings
 from .content import FileContent, frame_in_text, read_content
 from .formats import Decoder, decode_obj, decode_ply, decode_stl, read_vtk_polydata
 from .model_faces import ID_ARRAY, faces_of_polydata, names_beside
@@ -86,7 +87,7 @@ class SurfaceFile:
     @property
     def faces(self) -> NamedFaces | None:
         """The parts of the model, where the file tells them."""
-        return faces_of_polydata(self._polydata, self.face_names)
+        return faces_of_polydata(self._polydata, self.surface, self.face_names)
 
     def polydata(self) -> vtkPolyData:
         """A copy of the polydata in the unit of the file, with all its arrays."""
@@ -106,7 +107,8 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
 
     Polygons and strips are cut into triangles, vertices and lines dropped, each with a warning;
     points without a triangle and degenerate triangles stay. Equal corners of STL become one
-    point.
+    point; of other formats points that lie on each other at a seam count as one, and come back
+    as they were, as ghost cells do.
 
     Parameters
     ----------
@@ -132,6 +134,7 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
     surface = surface_from_polydata(template, name, scale)
     _check_arrays(template, name)
     warnings += _degenerate(surface, name)
+    warnings += composition_warnings(surface, name)
     warnings += size_warnings(surface, name, units)
     has_faces = template.GetCellData().HasArray(ID_ARRAY)
     face_names, unread = names_beside(content.path) if has_faces else ({}, ())

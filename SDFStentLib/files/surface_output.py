@@ -13,13 +13,13 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 
 from ..cautions import Caution
-from ..geometry import dot, face_normals, vertex_normals
+from ..geometry import Surface, dot, face_normals, vertex_normals
 from ..units import millimeters_per
 from ..validation import InputError, Points, Triangles, as_path, as_points, check_is_a
 from .atomic import check_suffix, check_writable, write_bytes
 from .content import header_text
 from .formats import encode_legacy, encode_obj, encode_ply, encode_stl, encode_vtp, fits_ply
-from .polydata import add_arrays, set_frame_of_polydata
+from .polydata import add_arrays, polygons_from_polydata, set_frame_of_polydata
 from .surface_files import SURFACE_SUFFIXES, SurfaceFile
 
 
@@ -50,7 +50,8 @@ def write_surface(
     points : array_like, shape (n, 3)
         Where its points are now, mm.
     point_arrays, cell_arrays : mapping of name to array, optional
-        More arrays to write, replacing those of the same name.
+        More arrays to write, replacing those of the same name. Of cells that are no triangle of
+        the surface, such as ghosts, the value is NaN, or 0.
 
     Returns
     -------
@@ -65,13 +66,29 @@ def write_surface(
     check_is_a(surface, SurfaceFile, "surface")
     target = check_surface_output(path)
     polydata = _with_points(surface, points)
-    add_arrays(polydata, point_arrays, cell_arrays)
+    add_arrays(polydata, point_arrays, _for_all_cells(surface.surface, cell_arrays))
     encoded = _encode(polydata, Path(path).suffix.lower(), surface)
     write_bytes(target, encoded.data)
     if not encoded.lost:
         return ()
     lost = {"format": Path(path).suffix, "arrays": ", ".join(encoded.lost)}
     return (Caution("arrays-not-kept", lost, label=f"{path}: "),)
+
+
+def _for_all_cells(
+    surface: Surface, arrays: Mapping[str, ArrayLike] | None
+) -> dict[str, ArrayLike]:
+    rows = {name: np.asarray(values) for name, values in (arrays or {}).items()}
+    count = len(surface.triangles)
+    return {
+        name: surface.to_given(values) if values.shape[:1] == (count,) else values
+        for name, values in rows.items()
+    }
+
+
+def _own_triangles(polydata: vtkPolyData) -> Triangles:
+    """Those of the file, with seams as it has them."""
+    return polygons_from_polydata(polydata).corners.reshape(-1, 3)
 
 
 def check_surface_output(path: str | os.PathLike[str]) -> Path:
@@ -93,7 +110,7 @@ def _with_points(surface: SurfaceFile, points: ArrayLike) -> vtkPolyData:
     before = values.astype(np.float64)
     values[moved] = (after[moved] / millimeters_per(surface.units)).astype(values.dtype)
     polydata.GetPoints().GetData().Modified()
-    refresh_normals(polydata, before, values.astype(np.float64), surface.triangles)
+    refresh_normals(polydata, before, values.astype(np.float64), _own_triangles(polydata))
     return polydata
 
 
@@ -106,6 +123,7 @@ def _encode(polydata: vtkPolyData, suffix: str, surface: SurfaceFile) -> _Encode
         return _Encoded(encode_legacy(polydata, title), [])
 
     points = vtk_to_numpy(polydata.GetPoints().GetData())
+    triangles = _own_triangles(polydata)
     point_arrays, point_text = _arrays(polydata.GetPointData())
     cell_arrays, cell_text = _arrays(polydata.GetCellData())
     fields = polydata.GetFieldData()
@@ -120,16 +138,16 @@ def _encode(polydata: vtkPolyData, suffix: str, surface: SurfaceFile) -> _Encode
             {key: values for key, values in arrays.items() if key not in lost}
             for arrays in (point_arrays, cell_arrays)
         ]
-        return _Encoded(encode_ply(points, surface.triangles, kept[0], kept[1], title), lost)
+        return _Encoded(encode_ply(points, triangles, kept[0], kept[1], title), lost)
     lost += list(point_arrays) + list(cell_arrays)
     if suffix == ".obj":
-        return _Encoded(encode_obj(points, surface.triangles, title), lost)
+        return _Encoded(encode_obj(points, triangles, title), lost)
     attribute = cell_arrays.get("Attribute")
     if attribute is not None and attribute.dtype == np.uint16:
         lost.remove("Attribute")
     else:
         attribute = None
-    return _Encoded(encode_stl(points, surface.triangles, attribute, title), lost)
+    return _Encoded(encode_stl(points, triangles, attribute, title), lost)
 
 
 def _arrays(data: vtkDataSetAttributes) -> tuple[dict[str, NDArray[Any]], list[str]]:

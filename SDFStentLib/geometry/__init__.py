@@ -11,6 +11,8 @@ from .exact import Exact as Exact
 from .exact import signs as signs
 from .exact import whole_numbers as whole_numbers
 from .faces import NO_HEIGHT as NO_HEIGHT
+from .faces import NamedFaces as NamedFaces
+from .faces import checked_faces as checked_faces
 from .faces import compacted as compacted
 from .faces import face_areas as face_areas
 from .faces import face_normals as face_normals
@@ -44,12 +46,11 @@ from .rows import dot as dot
 from .rows import norm as norm
 from .rows import product as product
 from .rows import ranges as ranges
+from .seams import twins as twins
 from .section import plane_section as plane_section
 from .smoothing import smooth_minimum as smooth_minimum
-from .surface import NamedFaces as NamedFaces
 from .surface import Surface as Surface
 from .surface import as_surface as as_surface
-from .surface import checked_faces as checked_faces
 from .surface import state_of as state_of
 from .topology import Topology as Topology
 from .topology import VertexNeighbors as VertexNeighbors

@@ -1,14 +1,13 @@
-"""A triangle surface as one value, checked and known once, and the parts that a model has of it."""
+"""A triangle surface as one value, checked and known once."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..validation import (
     Flags,
@@ -20,55 +19,23 @@ from ..validation import (
     as_patient_points,
     as_triangles,
     in_short,
-    one_line,
     read_only,
 )
-from .closing import Closing, closing
+from .closing import Closing
 from .faces import face_areas, face_normals, vertex_normals
 from .inside import Inside
-from .topology import (
-    Topology,
-    VertexNeighbors,
-    consistently_wound,
-    surface_topology,
-    vertex_neighbors,
-)
-
-
-class _Mesh:
-    """What follows from the triangles alone; surfaces that differ in their points share it."""
-
-    def __init__(self, triangles: Triangles, point_count: int) -> None:
-        self.triangles = triangles
-        self.point_count = point_count
-
-    @cached_property
-    def topology(self) -> Topology:
-        return surface_topology(self.triangles)
-
-    @cached_property
-    def corners(self) -> Triangles:
-        return read_only(np.ascontiguousarray(self.triangles.T))
-
-    @cached_property
-    def neighbors(self) -> VertexNeighbors:
-        found = vertex_neighbors(self.triangles, self.point_count)
-        return VertexNeighbors(read_only(found.offsets), read_only(found.indices))
-
-    @cached_property
-    def wound_triangles(self) -> Triangles:
-        if self.topology.is_consistently_wound:
-            return self.triangles
-        return read_only(consistently_wound(self.triangles)[0])
-
-    @cached_property
-    def closing(self) -> Closing:
-        return closing(self.triangles, self.topology)
+from .seams import Mesh
+from .topology import Topology, VertexNeighbors
 
 
 @dataclass(frozen=True, eq=False, init=False)
 class Surface:
     """Points joined by triangles. Immutable, checked when it is made and never again.
+
+    Points of a seam that lie on each other without being shared count as one: the triangles have
+    the first of them, and the others, its `copies`, follow it. What there is a second time is no
+    wall, and left out of the triangles; `whole` has it. Numbers of points are those given;
+    `cells` are the numbers that triangles had.
 
     Parameters
     ----------
@@ -78,6 +45,8 @@ class Surface:
         Indices of the corners, any winding; copied.
     name : str
         What to call it in messages.
+    is_left_out : array_like of bool, shape (m,), optional
+        Triangles that do not count, such as ghost cells; `whole` has not got them either.
 
     Raises
     ------
@@ -88,12 +57,18 @@ class Surface:
 
     points: Points
     triangles: Triangles
-    _mesh: _Mesh = field(repr=False)
+    _mesh: Mesh = field(repr=False)
 
-    def __init__(self, points: ArrayLike, triangles: ArrayLike, name: str = "surface") -> None:
+    def __init__(
+        self,
+        points: ArrayLike,
+        triangles: ArrayLike,
+        name: str = "surface",
+        is_left_out: Flags | None = None,
+    ) -> None:
         checked = as_patient_points(points, f"{name} points", minimum=3)
         corners = read_only(as_triangles(triangles, len(checked), f"{name} triangles"))
-        self._keep(checked, _Mesh(corners, len(checked)))
+        self._keep(checked, Mesh(checked, corners, is_left_out))
 
     def with_points(self, points: ArrayLike, name: str = "surface points") -> Surface:
         """The same triangles at other places; what follows from them alone is not looked at again.
@@ -109,9 +84,64 @@ class Surface:
                 f"{name}: expected {len(self.points)} points as before, got {len(moved)}; "
                 "give another state of the same surface."
             )
-        surface = object.__new__(Surface)
-        surface._keep(moved, self._mesh)
-        return surface
+        return self._with(moved, self._mesh)
+
+    @property
+    def whole(self) -> Surface:
+        """The same with every triangle that is in it, also what there is a second time."""
+        mesh = self._mesh.of_whole
+        return self if mesh is self._mesh else self._with(self.points, mesh)
+
+    @property
+    def cells(self) -> Indices | None:
+        """(m,) numbers that its triangles had when it was made; None where all of them count."""
+        return self._mesh.cells
+
+    @property
+    def made_of(self) -> int:
+        """How many triangles it was made of."""
+        return len(self._mesh.given)
+
+    @property
+    def unshared_points(self) -> int:
+        """How many of the copies close a seam."""
+        return self._mesh.unshared
+
+    @property
+    def copies(self) -> Indices:
+        """(c,) points that lie on one of the wall and count as that."""
+        return self._mesh.copies
+
+    def given_numbers(self, triangles: Indices) -> Indices:
+        """The numbers that some of its triangles (k,) had when it was made."""
+        return triangles if self.cells is None else self.cells[triangles]
+
+    def of_given(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Rows of its triangles, from rows (k, ...) of those that it was made of."""
+        return values if self.cells is None else values[self.cells]
+
+    def to_given(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Rows for all triangles that it was made of, from rows of its own; NaN or 0 elsewhere."""
+        if self.cells is None:
+            return values
+        fill = np.nan if values.dtype.kind == "f" else 0
+        rows = np.full((self.made_of, *values.shape[1:]), fill, dtype=values.dtype)
+        rows[self.cells] = values
+        return rows
+
+    def followed(self, indices: Indices, coordinates: Points) -> tuple[Indices, Points]:
+        """Moved points (k,) and where they are, mm, with the copies that follow them."""
+        mesh = self._mesh
+        if not len(mesh.copies):
+            return indices, coordinates
+        row = np.full(mesh.point_count, -1, dtype=np.int64)
+        row[indices] = np.arange(len(indices))
+        found = row[mesh.originals]
+        follows = found >= 0
+        return (
+            np.concatenate([indices, mesh.copies[follows]]),
+            np.concatenate([coordinates, coordinates[found[follows]]]),
+        )
 
     @property
     def topology(self) -> Topology:
@@ -182,7 +212,13 @@ class Surface:
         triangles = np.vstack([known.triangles, known.fans(len(self.points))])
         return Inside(points, triangles, np.r_[known.part, known.hole_part[known.hole]])
 
-    def _keep(self, points: Points, mesh: _Mesh) -> None:
+    @staticmethod
+    def _with(points: Points, mesh: Mesh) -> Surface:
+        surface = object.__new__(Surface)
+        surface._keep(points, mesh)
+        return surface
+
+    def _keep(self, points: Points, mesh: Mesh) -> None:
         object.__setattr__(self, "points", read_only(points))
         object.__setattr__(self, "triangles", mesh.triangles)
         object.__setattr__(self, "_mesh", mesh)
@@ -210,75 +246,11 @@ def state_of(surface: Surface, after: Surface | ArrayLike, name: str = "after") 
         return surface.with_points(after, name)
     if after.triangles is surface.triangles:
         return after
-    if after.triangles.shape != surface.triangles.shape or (
-        (after.triangles != surface.triangles).any()
-    ):
+    # As they were given: points that came to lie on each other later are still their own.
+    one, other = surface._mesh.given, after._mesh.given
+    if one.shape != other.shape or (one != other).any():
         raise InputError(
             f"{name}: expected the triangles of the surface before, got others; "
             "give another state of the same surface."
         )
     return surface.with_points(after.points, name)
-
-
-_SAID = 3
-"""So many parts are named one by one; of more the rest is counted."""
-
-
-@dataclass(frozen=True, eq=False)
-class NamedFaces:
-    """To which part of the model every triangle belongs, as SimVascular marks its caps and walls.
-
-    Parameters
-    ----------
-    ids : array_like of int, shape (m,)
-        Of the triangles.
-    names : mapping of int to str
-        Of the parts that have one.
-
-    Raises
-    ------
-    InputError
-        Ids that are no row of integers.
-    """
-
-    ids: Indices
-    names: Mapping[int, str] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        ids = np.asarray(self.ids)
-        if ids.ndim != 1 or not np.issubdtype(ids.dtype, np.integer):
-            raise InputError(
-                f"face ids: expected one whole number for every triangle, got {ids.dtype} of shape "
-                f"{ids.shape}."
-            )
-        object.__setattr__(self, "ids", read_only(ids.astype(np.int64)))
-        names = {number: one_line(name) for number, name in self.names.items()}
-        object.__setattr__(self, "names", names)
-
-    def most(self, triangles: ArrayLike) -> int:
-        """The part to which most of some triangles (k,) belong."""
-        kinds, counts = np.unique(self.ids[np.asarray(triangles)], return_counts=True)
-        return int(kinds[np.argmax(counts)])
-
-    def branch_name(self, ids: Sequence[int]) -> str:
-        """What a branch is called that leads to some parts."""
-        if len(ids) == 1 and ids[0] in self.names:
-            return self.said(ids)
-        return f"branch to {self.said(ids)}"
-
-    def said(self, ids: Sequence[int]) -> str:
-        """Some parts in words, such as "face 3" or "right pulmonary artery"."""
-        words = [self.names.get(number, f"face {number}") for number in ids]
-        if len(words) > _SAID:
-            words = [*words[:_SAID], f"{len(words) - _SAID} more"]
-        return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
-
-
-def checked_faces(faces: NamedFaces | None, triangle_count: int) -> NamedFaces | None:
-    """The same; `InputError` where they are of another surface."""
-    if faces is not None and len(faces.ids) != triangle_count:
-        raise InputError(
-            f"face ids: expected one for each of {triangle_count} triangles, got {len(faces.ids)}; "
-            "take them from the same file as the surface."
-        )
-    return faces

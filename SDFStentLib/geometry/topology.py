@@ -81,6 +81,9 @@ class Topology(NamedTuple):
         wound so, which a Moebius strip cannot.
     boundary_edge_count, component_count : int
         Edges with one face; parts joined by edges.
+    unshared_points : int
+        Points that lie on others at a seam, and are taken for one with these in all that is said
+        here. Who reads the file has to merge them.
     """
 
     is_closed: bool
@@ -90,6 +93,7 @@ class Topology(NamedTuple):
     is_orientable: bool
     boundary_edge_count: int
     component_count: int
+    unshared_points: int = 0
 
     @property
     def is_manifold(self) -> bool:
@@ -109,6 +113,8 @@ class Topology(NamedTuple):
     def in_words(self) -> str:
         """Watertight, not manifold or open, and whether one-sided, as a part of a sentence."""
         sided = "" if self.is_orientable else ", one-sided (as a Moebius strip is)"
+        if self.unshared_points:
+            sided += f" once {self.unshared_points} points that lie on others are merged"
         if self.is_watertight:
             return f"watertight{sided}"
         if not self.is_manifold:
