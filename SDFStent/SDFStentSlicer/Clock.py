@@ -1,5 +1,7 @@
 """What the module needs of an event loop: to be called later. Qt's in Slicer, another one where an application has it."""
 
+import contextlib
+
 
 class QtTimer:
     """Calls a function some milliseconds after `start`: once, or again and again until `stop`.
@@ -34,12 +36,26 @@ class QtTimer:
         return self._timer.isActive()
 
 
-_kinds = [QtTimer]
+_kinds, _lists = [QtTimer], []
 
 
 def timer(call, milliseconds, isRepeated=False):
     """A timer as `QtTimer`, of the event loop that there is; it waits for its `start`."""
-    return _kinds[-1](call, milliseconds, isRepeated)
+    made = _kinds[-1](call, milliseconds, isRepeated)
+    for timers in _lists:
+        timers.append(made)
+    return made
+
+
+@contextlib.contextmanager
+def listed():
+    """Gives a list of all timers that are made within the block: who makes their owners can stop every one of them."""
+    timers = []
+    _lists.append(timers)
+    try:
+        yield timers
+    finally:
+        _lists.pop()
 
 
 def wait():

@@ -108,6 +108,7 @@ class LesionTable:
         fitColumns(ui.lesionTable)
         ui.lesionTable.connect("itemSelectionChanged()", self._selectionChanged)
         ui.lesionTable.connect("cellClicked(int,int)", self._clicked)
+        ui.lesionTable.connect("cellActivated(int,int)", self._activated)
         self._show("")
 
     @property
@@ -237,6 +238,13 @@ class LesionTable:
     def _clicked(self, _row, _column):
         """Go there again when the selected one is clicked once more."""
         self._selectionChanged()
+
+    def _activated(self, row, _column):
+        """By Enter: an only row has the focus without being selected, and arrows find no other."""
+        if self.selected is None:
+            self.ui.lesionTable.selectRow(row)
+        else:
+            self._selectionChanged()
 
 
 def _texts(number, lesion):

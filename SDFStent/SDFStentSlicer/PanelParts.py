@@ -122,10 +122,6 @@ class PanelSize:
         """Something in the panel may be higher or lower now."""
         self._timer.start()
 
-    def stop(self):
-        """No longer: the panel is about to go."""
-        self._timer.stop()
-
     def _fit(self):
         # Layouts hear of changes one within the other, each by an event.
         qt.QCoreApplication.sendPostedEvents(None, qt.QEvent.LayoutRequest)

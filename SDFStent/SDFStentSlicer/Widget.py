@@ -8,7 +8,7 @@ from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
 from slicer.util import VTKObservationMixin
 from vtkmodules.vtkCommonCore import vtkCommand
 
-from . import Conversion, ExtractCenterline, Outputs, Showing
+from . import Clock, Conversion, ExtractCenterline, Outputs, Showing
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
 from .ExportSection import ExportSection, SegmentSection
@@ -39,7 +39,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.logic = logic
         self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
         self._size = self._parameterNode = self._binding = self._lastSet = self._leavings = None
-        self._present, self._chosen = [], None
+        self._present, self._chosen, self._timers = [], None, []
         self._inputs = InputWatch(
             self.onInputModified, self.onHandleGrabbed, self.onHandleReleased, self.onHandleMoved
         )
@@ -56,6 +56,13 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         )
         self.ui.outputSelector.addAttribute("vtkMRMLModelNode", Outputs.ATTRIBUTE, "outputVessel")
         uiWidget.setMRMLScene(slicer.mrmlScene)
+        with Clock.listed() as self._timers:
+            self._makeSections(uiWidget)
+            self._connect()
+            self._observeScene(slicer.mrmlScene)
+        self.initializeParameterNode()
+
+    def _makeSections(self, uiWidget):
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
         self._size = PanelSize(uiWidget)
@@ -73,16 +80,14 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.sections[0].isAwaited = lambda: self.recoil.isBusy
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
-        self._connect()
-        self._observeScene(slicer.mrmlScene)
-        self.initializeParameterNode()
 
     def cleanup(self):
         for button in (self.plans.comparing, self.sections[-1].writing):
             button.stop()
         self.setParameterNode(None)
-        self._size.stop()
         self.removeObservers()
+        for timer in self._timers:  # what they call has no widgets any more
+            timer.stop()
 
     def enter(self):
         self.initializeParameterNode()
