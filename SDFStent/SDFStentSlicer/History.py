@@ -10,28 +10,18 @@ MOST = 100
 
 
 class History:
-    """The documents of one plan for one vessel; `note` keeps another one where the plan has changed.
+    """The documents of one plan in one vessel; `note` keeps another one where the plan has changed.
 
     The files of its inputs are no part of that: a scene that is saved or loaded has others.
     """
 
     def __init__(self, parameterNode):
         self.parameterNode = parameterNode
-        self._inputs, self._steps, self._at = None, [], -1
-
-    def _inputsNow(self):
-        return self.parameterNode.vessel, self.parameterNode.centerline
-
-    @property
-    def isOfAnother(self):
-        """Whether what is kept is of another vessel, or nothing is."""
-        return self._inputsNow() != self._inputs
+        self._steps, self._at = [], -1
+        self.note()  # what is done at once is taken back, too
 
     def note(self):
-        """Keep the plan as it is now; returns whether that could be. One whose stents are not all placed is kept once they are; of another
-        vessel nothing is."""
-        if self.isOfAnother:
-            self._inputs, self._steps, self._at = self._inputsNow(), [], -1
+        """Keep the plan as it is now; returns whether that could be. One whose stents are not all placed is kept once they are."""
         try:
             step = self._stepNow()
         except InputError:
@@ -82,13 +72,13 @@ class HistoryButtons:
 
     def show(self, parameterNode):
         """The parameter node that is shown now, whose plan may have changed."""
-        key = parameterNode.parameterNode.GetID()
+        inputs = parameterNode.vessel, parameterNode.centerline
+        nodes = (parameterNode.parameterNode, *inputs)
+        key = tuple(node and node.GetID() for node in nodes)
         history = self._histories.get(key)
         if history is None or history.parameterNode is not parameterNode:
             history = self._histories[key] = History(parameterNode)
         self._history = history
-        if history.isOfAnother:
-            history.note()  # what is done at once is taken back, too
         self._timer.start()
         self._offer()
 

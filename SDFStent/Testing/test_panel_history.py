@@ -159,6 +159,38 @@ def test_every_plan_has_changes_of_its_own_and_another_vessel_none(host, aStent)
     assert not ui.redoButton.enabled
 
 
+@pytest.mark.parametrize("which", ["vessel", "centerline"])
+@pytest.mark.parametrize("isChangedThere", [False, True])
+def test_what_was_done_in_a_vessel_can_be_taken_back_after_a_look_at_another(
+    host, aStent, which, isChangedThere
+):
+    from SDFStentSlicer.SampleVessels import addSampleVessel
+
+    ui, parameters = aStent.ui, aStent._parameterNode
+    rest(host, aStent)
+    for diameter in (6.0, 7.0):
+        ui.diameterSlider.value = diameter
+        rest(host, aStent)
+    former = getattr(parameters, which)
+    other = addSampleVessel("branching_pulmonary_artery", "Other")[which == "centerline"]
+    getattr(ui, f"{which}Selector").setCurrentNode(other)
+    rest(host, aStent)
+    assert not ui.undoButton.enabled  # nothing was done there
+    if isChangedThere:
+        ui.diameterSlider.value = 9.0
+        rest(host, aStent)
+    getattr(ui, f"{which}Selector").setCurrentNode(former)
+    rest(host, aStent)
+    back = [7.0, 6.0, 8.5] if isChangedThere else [6.0, 8.5]
+    for diameter in back:
+        host.click(ui.undoButton)
+        assert parameters.stent.diameter == diameter
+    for diameter in [*reversed(back[:-1]), 9.0 if isChangedThere else 7.0]:
+        host.click(ui.redoButton)
+        assert parameters.stent.diameter == diameter
+    assert not ui.redoButton.enabled
+
+
 def test_the_vessel_is_seen_before_and_after_the_stents_by_one_button(host, aStent):
     ui, parameters = aStent.ui, aStent._parameterNode
     assert not ui.beforeButton.enabled
