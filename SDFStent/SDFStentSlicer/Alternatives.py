@@ -209,18 +209,20 @@ class Alternatives:
         return plan.vessel is None and plan.centerline is None and not len(plan.stents)
 
     def showPlan(self, parameterNode):
-        """Show what belongs to a plan, and hide what belongs only to the others for the vessel.
+        """Show what belongs to a plan, and hide what belongs only to others, of whatever vessel: the mouse takes what it lies on.
 
         Only what was hidden in this way is shown again: who hides a result himself finds it hidden.
         """
-        others = [one for one in self.alternatives(parameterNode) if one is not parameterNode]
+        sets = [self.parameterSet(node) for node in self.getAllParameterNodes()]
+        others = [one for one in sets if one is not parameterNode]
         own = _seenNodes(parameterNode)
         for node in (node for other in others for node in _seenNodes(other)):
             if node not in own:
                 Showing.changeOver(node, HIDDEN_ATTRIBUTE, False)
         for node in own:
             Showing.changeBack(node, HIDDEN_ATTRIBUTE, True)
-        _showVessel(parameterNode, any(other.outputVessel is not None for other in others))
+        beside = [one for one in self.alternatives(parameterNode) if one is not parameterNode]
+        _showVessel(parameterNode, any(other.outputVessel is not None for other in beside))
         for other in others:
             Showing.followPlan(other, parameterNode)
             if other.outputChart is not None:

@@ -18,6 +18,7 @@ from . import (
     Deploying,
     Display,
     Flow,
+    Handles,
     Outputs,
     Plans,
     Results,
@@ -33,6 +34,7 @@ from .ParameterNode import (
     MethodParameters,
     SDFStentParameterNode,
     stentOf,
+    stentsOf,
 )
 from .Planning import Planning
 from .Portions import working
@@ -131,7 +133,12 @@ class SDFStentLogic(
 
     def loadPlan(self, path, parameterNode):
         """Replace stents and method by those of a plan document; what to know about it is in `status` afterwards."""
+        former = [stent.handle for stent in stentsOf(parameterNode)]
         parameterNode.status = Plans.load(path, parameterNode)
+        plans = map(self.parameterSet, self.getAllParameterNodes())
+        used = [stent.handle for plan in plans for stent in stentsOf(plan)]
+        for handle in {one for one in former if one not in used}:
+            Handles.removeHandle(handle)
 
     def savePlan(self, path, parameterNode):
         """Write stents and method as a plan document; what to know about it is in `status` afterwards."""

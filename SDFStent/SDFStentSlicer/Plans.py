@@ -113,7 +113,7 @@ def save(path, parameterNode):
 
 
 def load(path, parameterNode):
-    """Replace stents and method by those of a plan document; its handles are made, the old ones stay in the scene.
+    """Replace stents and method by those of a plan document; its handles are made, the old ones are nobody's then.
 
     Returns what there is to know of it, such as that the plan does not say in which frame its points are, or "".
     """

@@ -109,6 +109,8 @@ class SceneEvents:
         if self.parent.isEntered:
             self.initializeParameterNode()
             self.logic.showPlan(self._parameterNode)
+        elif self._lastSet is not None:
+            self.logic.showPlan(self.logic.parameterSet(self._lastSet))
 
     def onNodeAdded(self, caller=None, event=None):
         self._added.start()  # who adds a model may fill it afterwards

@@ -61,6 +61,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             self._connect()
             self._observeScene(slicer.mrmlScene)
         self.initializeParameterNode()
+        self.logic.showPlan(self._parameterNode)
 
     def _makeSections(self, uiWidget):
         self.logic = self.logic or SDFStentLogic()

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import expanded, saveAsFile, theThroat
+from panel_helpers import expanded, handleNames, saveAsFile, theThroat
 
 from SDFStentLib.stent import OfStent
 
@@ -22,6 +22,24 @@ def test_a_saved_plan_gives_the_same_points_after_loading(aLogic, theParameters,
     assert [stent.label for stent in theParameters.stents] == ["Stent 1", "Stent 2"]
     assert theParameters.method.influenceDistance == 5.5
     np.testing.assert_allclose(expanded(aLogic, theParameters), points, atol=1e-9)
+
+
+def test_handles_of_the_stents_that_a_plan_replaces_do_not_stay_in_the_views(
+    aLogic, theParameters, aScene, tmp_path
+):
+    path, former = tmp_path / "plan.json", theParameters.stents[0].handle
+    aLogic.savePlan(path, theParameters)
+    own = aScene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", "User's own")
+    own.AddControlPointWorld(*theThroat())
+    aLogic.addStent(theParameters, handle=own)
+    other = aLogic.addParameterSet("Other")
+    aLogic.addStent(other, handle=former)
+    aLogic.loadPlan(path, theParameters)
+    assert former.GetScene() is aScene  # the other plan has it, too
+    aLogic.loadPlan(path, other)
+    assert former.GetScene() is None
+    handles = [plan.stents[0].handle for plan in (theParameters, other)]
+    assert sorted(handleNames(aScene)) == sorted(["User's own", *(h.GetName() for h in handles)])
 
 
 @pytest.mark.parametrize("kind", ["BETWEEN_POINTS", "DISTAL_END", "ALONG_CURVE"])

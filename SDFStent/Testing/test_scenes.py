@@ -102,6 +102,51 @@ def test_importing_into_a_scene_replaces_no_plan_and_makes_no_model_twice(
     assert offered(aDeployment.ui.parameterSetSelector) == ["Plan 1", "Plan 1 (2)", "Plan 1 (3)"]
 
 
+def seen(node):
+    return bool(node.GetDisplayNode().GetVisibility())
+
+
+def drawn(parameters):
+    """What a plan has in the views."""
+    roles = ("outputVessel", "outputStents", "outputCenterline")
+    return [*(getattr(parameters, role) for role in roles), parameters.stent.handle]
+
+
+@pytest.mark.parametrize("isEntered", [True, False])
+def test_of_an_imported_plan_nothing_lies_on_the_one_that_is_shown(
+    host, aSavedScene, aDeployment, aScene, isEntered
+):
+    before = aDeployment.logic.getAllParameterNodes()
+    if not isEntered:
+        host.leave(aDeployment)
+    assert aScene.ReadFromMRB(str(aSavedScene), False)
+    host.process()
+    nodes = sorted(aDeployment.logic.getAllParameterNodes(), key=before.__contains__)
+    came, shown = map(aDeployment.logic.parameterSet, nodes)
+    assert came.vessel is not shown.vessel
+    assert not any(map(seen, drawn(came)))
+    assert all(map(seen, drawn(shown)))
+    if not isEntered:
+        host.enter(aDeployment)
+    aDeployment._switchTo(came)
+    host.process()
+    assert all(map(seen, drawn(came)))
+    assert not any(map(seen, drawn(shown)))
+
+
+def test_of_two_imported_plans_one_is_seen_when_the_module_is_opened(
+    host, aSavedScene, aScene, theModule
+):
+    for _time in range(2):
+        assert aScene.ReadFromMRB(str(aSavedScene), False)
+    host.process()
+    panel = host.openPanel(theModule)
+    plans = map(panel.logic.parameterSet, panel.logic.getAllParameterNodes())
+    seenOf = {one is panel._parameterNode: list(map(seen, drawn(one))) for one in plans}
+    assert seenOf == {True: 4 * [True], False: 4 * [False]}
+    host.closePanel(panel)
+
+
 def vesselsOfPlans(panel):
     """The vessels of the plans that the panel offers, in order; "" for none."""
     selector, vessels = panel.ui.parameterSetSelector, []
