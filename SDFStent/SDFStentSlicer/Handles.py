@@ -10,10 +10,13 @@ from . import Conversion
 from .ParameterNode import Placement
 
 HANDLE_ATTRIBUTE = "SDFStent.Handle"
+AWAY_ATTRIBUTE = "SDFStent.GivesWay"
 POINTS, CURVE = "vtkMRMLMarkupsFiducialNode", "vtkMRMLMarkupsCurveNode"
 COLOR = (0.1, 0.55, 0.95)
 USUAL_LENGTH = 20.0
 """Of a new stent, mm."""
+ON_ANOTHER = 1.0
+"""Nearer than that, mm, a point of a handle is seen on that of another one."""
 
 
 def freeName(scene, name):
@@ -79,6 +82,24 @@ def copyHandle(node, label):
     return copy
 
 
+def giveWay(chosen, handles):
+    """Lock those of our handles that lie on a chosen one, and let the mouse have all others again: of two it takes any."""
+    points = _rows([] if chosen is None else Conversion.placedPoints(chosen))
+    for node in handles:
+        if node is None or not node.GetAttribute(HANDLE_ATTRIBUTE):
+            continue
+        apart = np.linalg.norm(_rows(Conversion.placedPoints(node))[:, None] - points, axis=2)
+        isOn = node is not chosen and bool((apart < ON_ANOTHER).any())
+        isAway = node.GetAttribute(AWAY_ATTRIBUTE) is not None
+        if isOn != isAway and (isAway or not node.GetLocked()):  # a user may lock one himself
+            node.SetAttribute(AWAY_ATTRIBUTE, "1" if isOn else None)
+            node.SetLocked(isOn)
+
+
+def _rows(points):
+    return np.reshape(points, (-1, 3))
+
+
 def removeHandle(node):
     """Take a handle out of the scene if this module made it; a user's own markups stays."""
     if node is not None and node.GetAttribute(HANDLE_ATTRIBUTE):
@@ -133,17 +154,21 @@ def fitHandle(node, placement, centerline, length):
             node.SetNthControlPointPositionWorld(placed[0], *middle)
 
 
+def along(centerline, point, distance):
+    """The place (3,) so many mm along the centerline from a point, down where positive; none beyond its end."""
+    place = centerline.project(point)
+    if distance > 0:
+        return centerline.path_from_proximal(place, distance).points[-1]
+    return centerline.path_from_distal(place, -distance).points[0] if distance else place.point
+
+
 def moveHandle(node, centerline, distance):
     """Move the placed points of a handle along the centerline, in mm, down where positive; none beyond its end."""
     with slicer.util.NodeModify(node):
         for index, point in zip(
             Conversion.placedIndices(node), Conversion.placedPoints(node), strict=True
         ):
-            place = centerline.project(point)
-            if distance > 0:
-                moved = centerline.path_from_proximal(place, distance).points[-1]
-            else:
-                moved = centerline.path_from_distal(place, -distance).points[0]
+            moved = along(centerline, point, distance)
             node.SetNthControlPointPositionWorld(index, *moved)
 
 

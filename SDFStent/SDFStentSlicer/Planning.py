@@ -7,10 +7,13 @@ from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter, stent_axis
 from SDFStentLib.treatment import placement_at
 from SDFStentLib.validation import InputError
 
-from . import Dependencies, Handles, Plans, Sizes
+from . import Conversion, Dependencies, Handles, Plans, Sizes
 from .LumenMiddle import middleOn
 from .ParameterNode import STENT_FIELDS, Placement, stentOf, stentsOf
 from .StentList import StentList
+
+BESIDE = 2 * Handles.ON_ANOTHER
+"""Between a stent and its copy, mm: points of both can be told apart."""
 
 SHORTEST = 1.0
 """To which a stent can be drawn together, mm."""
@@ -70,12 +73,35 @@ class Planning:
         return handle
 
     def copyStent(self, parameterNode):
-        """Append a copy of the selected stent with a handle of its own."""
+        """Append a copy of the selected stent with a handle of its own, beside it: it begins where the other one ends."""
         stents, stent = StentList(parameterNode), parameterNode.stent
         isAgain = stent.placement == Placement.AGAIN
         stents.copy(
             stent.handle if isAgain else Handles.copyHandle(stent.handle, stents.freeLabel())
         )
+        if stent.placement.needsCenterline and parameterNode.centerline is not None:
+            self._moveBeside(parameterNode)
+
+    def _moveBeside(self, parameterNode):
+        """Move the selected stent to before or behind where it lies, to the side where there is more room for it."""
+        tree, handle = self._inputs.centerline(parameterNode), parameterNode.stent.handle
+        found = self.lying(parameterNode, tree)
+        if found is None:
+            return
+        line, former, ways = found[1].line, Conversion.placedPoints(handle), []
+        at = line.nearest(np.array(former)).arc_lengths
+        with slicer.util.NodeModify(handle):
+            for end, offsets in (
+                (line.points[-1], at + BESIDE),
+                (line.points[0], at - line.length - BESIDE),
+            ):
+                points = [Handles.along(tree, end, offset) for offset in offsets]
+                Handles.bringTo(handle, Handles.POINTS, points)
+                lying = self.lying(parameterNode, tree)
+                room = 0.0 if lying is None else lying[1].deployed_length
+                away = np.linalg.norm(np.subtract(points, former), axis=1).min()
+                ways.append((min(room, away), points))
+            Handles.bringTo(handle, Handles.POINTS, max(ways, key=lambda way: way[0])[1])
 
     def removeStent(self, parameterNode):
         """Remove the selected stent, and its handle if this module made it; with the last one what was deployed, too."""
@@ -159,6 +185,12 @@ class Planning:
         with slicer.util.NodeModify(parameterNode):
             StentList(parameterNode).change(length=round(length, 2))
             stent.handle.SetNthControlPointPositionWorld(0, *place)
+
+    @staticmethod
+    def giveWay(parameterNode):
+        """Let the mouse take the selected stent's handle where others of ours lie on it."""
+        handles = [stent.handle for stent in stentsOf(parameterNode)]
+        Handles.giveWay(stentOf(parameterNode).handle, handles)
 
     def moveStent(self, parameterNode, distance):
         """Move the handle of the selected stent along the centerline, in mm, towards the outlets or, negative, the root."""

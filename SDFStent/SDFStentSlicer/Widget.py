@@ -191,6 +191,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._requestUpdate()
 
     def _showSections(self):
+        self.logic.giveWay(self._parameterNode)
         for section in (*self.sections, self.plans, self.views, self.ends):
             section.show(self._parameterNode)
 

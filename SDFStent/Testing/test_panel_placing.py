@@ -219,3 +219,47 @@ def test_escape_ends_place_wherever_the_focus_is(host, aStent, theView):  # noqa
     host.process()
     assert not isPlacing()
     assert slicer.util.arrayFromMarkupsControlPoints(handle, world=True).tolist() == points
+
+
+def axisOf(panel, row):
+    """Where a stent of the list will lie."""
+    panel.ui.stentTable.selectRow(row)
+    return panel.logic.stentLying(panel._parameterNode)[1]
+
+
+@pytest.mark.parametrize("kind", [0, 1, 2, 3])
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
+def test_a_copy_begins_where_the_original_ends(host, aStent, kind, part):
+    parameters, tree = aStent._parameterNode, treeOf(aStent)
+    way = wayTo(tree, tree.leaves[0])
+    handle = parameters.stent.handle
+    handle.SetNthControlPointPositionWorld(0, *way[round(part * (len(way) - 1))])
+    host.choose(aStent.ui.placementComboBox, kind)
+    host.click(aStent.ui.copyStentButton)
+    first, second = (axisOf(aStent, row) for row in (0, 1))
+    ends = first.points[[0, -1]][:, None] - second.points[[-1, 0]]
+    assert min(np.linalg.norm(ends, axis=2).diagonal()) < 2.5
+    assert second.deployed_length == pytest.approx(first.deployed_length, rel=0.2)
+    assert not any(stent.handle.GetLocked() for stent in parameters.stents)
+
+
+def test_the_selected_stents_handle_is_taken_where_others_lie_on_it(host, aStent):
+    ui, parameters = aStent.ui, aStent._parameterNode
+    host.click(ui.copyStentButton)
+    first, second = (stent.handle for stent in parameters.stents)
+    assert not first.GetLocked() and not second.GetLocked()
+    place = first.GetNthControlPointPositionWorld(0)
+    second.SetNthControlPointPositionWorld(0, *place)
+    host.process()
+    assert first.GetLocked() and not second.GetLocked()
+    ui.stentTable.selectRow(0)
+    host.process()
+    assert second.GetLocked() and not first.GetLocked()
+    aStent._moveStent(10.0)
+    host.process()
+    assert not first.GetLocked() and not second.GetLocked()
+    second.SetLocked(True)  # by the user
+    first.SetNthControlPointPositionWorld(0, *second.GetNthControlPointPositionWorld(0))
+    aStent._moveStent(10.0)
+    host.process()
+    assert second.GetLocked()
