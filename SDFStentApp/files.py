@@ -10,14 +10,21 @@ from typing import Any, NamedTuple
 import slicer
 from vtkmodules.vtkCommonCore import vtkPoints
 
-from SDFStentLib.files import read_lines
+from SDFStentLib.files import (
+    VTK_LINE_SUFFIXES,
+    SurfaceFile,
+    faces_of_polydata,
+    read_lines,
+    set_face_names,
+)
 from SDFStentLib.plan import load_plan, read_input_files
+from SDFStentLib.surface_formats import READ_SUFFIXES, WHOLE_SUFFIXES, WRITTEN_SUFFIXES
 from SDFStentLib.validation import InputError
 
 from .chunks import LARGEST_UPLOAD
 
-SURFACES = (".vtp", ".vtk", ".stl", ".ply", ".obj")
-CENTERLINES = (".vtp", ".vtk")
+SURFACES = READ_SUFFIXES
+CENTERLINES = VTK_LINE_SUFFIXES
 PLANS = (".json",)
 DEEPEST, MOST = 4, 400
 """Folders below a named one, and files, that are listed."""
@@ -41,9 +48,9 @@ class Uploads:
     def kept(self, name: Any, content: Any) -> Path:
         """Keep a file under its own name. Raises `InputError` for what is none that a page can open."""
         path = self.folder / Path(str(name)).name
-        if path.suffix.lower() not in (*SURFACES, *PLANS, ".csv"):
+        if path.suffix.lower() not in (*WHOLE_SUFFIXES, *PLANS, ".csv"):
             raise InputError(
-                f"{path.name}: expected a file that ends in {', '.join((*SURFACES, *PLANS))}, got another; convert it."
+                f"{path.name}: expected a file that ends in {', '.join((*WHOLE_SUFFIXES, *PLANS))}, got another; convert it."
             )
         if not isinstance(content, bytes) or not 0 < len(content) <= LARGEST_UPLOAD:
             raise InputError(
@@ -117,9 +124,9 @@ def _files(folder: Path, depth: int) -> Iterator[Path]:
 
 def open_vessel(scene: Any, surface: Path, centerline: Path | None, units: str = "mm") -> Opened:
     """Read both into the scene, in mm. Raises the library's `InputError` for files that it cannot use."""
-    cautions = read_input_files(surface, centerline, units).warnings
-    warnings = "\n".join(caution.sentence() for caution in cautions)
-    vessel = _model(scene, surface, units)
+    files = read_input_files(surface, centerline, units)
+    warnings = "\n".join(caution.sentence() for caution in files.warnings)
+    vessel = _model(scene, surface, units, files.surface)
     if centerline is None:
         return Opened(vessel, None, warnings=warnings)
     lines = _model(scene, centerline, units)
@@ -140,12 +147,16 @@ def open_plan(scene: Any, path: Path, folders: Folders | None) -> Opened:
     return opened._replace(plan=path)
 
 
-def _model(scene: Any, path: Path, units: str) -> Any:
+def _model(scene: Any, path: Path, units: str, surface: SurfaceFile | None = None) -> Any:
+    """A model as Slicer reads it; a `surface` of a format or with faces that Slicer does not know as it was read."""
     node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(path.stem))
     storage = scene.AddNewNodeByClass("vtkMRMLModelStorageNode")
     node.SetAndObserveStorageNodeID(storage.GetID())
     storage.SetFileName(str(path))
-    if not storage.ReadData(node):
+    isRead = path.suffix.lower() in (*WRITTEN_SUFFIXES, *CENTERLINES) and storage.ReadData(node)
+    if surface is not None and not (isRead and _hasAll(node, surface)):
+        _fill(node, storage, surface)
+    elif not isRead:
         scene.RemoveNode(node)
         raise InputError(
             f"{path}: expected a model that Slicer can read, got another; export it as VTP."
@@ -156,6 +167,34 @@ def _model(scene: Any, path: Path, units: str) -> Any:
 
         Conversion.bringToMillimeters(node, units)
     return node
+
+
+def _hasAll(node: Any, surface: SurfaceFile) -> bool:
+    """Whether Slicer has read a surface, and to which faces of the model its triangles belong."""
+    polyData = node.GetPolyData()
+    return polyData is not None and (
+        surface.faces is None or faces_of_polydata(polyData) is not None
+    )
+
+
+def _fill(node: Any, storage: Any, surface: SurfaceFile) -> None:
+    """Let a model be a surface as it was read. As Slicer has it, a file that names no frame is in LPS."""
+    # Late: a page that shows nothing of the kind needs none of them.
+    from vtkmodules.vtkCommonTransforms import vtkTransform
+    from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
+
+    polyData, frame = surface.polydata(), surface.frame or "LPS"
+    if surface.faces is not None:
+        set_face_names(polyData, surface.faces.names)
+    if frame == "LPS":
+        turn, turned = vtkTransform(), vtkTransformPolyDataFilter()
+        turn.Scale(-1, -1, 1)
+        turned.SetTransform(turn)
+        turned.SetInputData(polyData)
+        turned.Update()
+        polyData = turned.GetOutput()
+    node.SetAndObservePolyData(polyData)
+    storage.SetCoordinateSystem(storage.GetCoordinateSystemFromString(frame))
 
 
 def save_model(node: Any, path: Path) -> None:

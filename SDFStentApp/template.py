@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from html import escape
 
+from SDFStentLib.surface_formats import WHOLE_SUFFIXES
 from SDFStentLib.units import MILLIMETERS
 
-from .files import SURFACES
 from .selectors import NEW, NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
 from .ui_file import Arranged, Placed
@@ -41,7 +41,7 @@ ASKS_FOR_FILE = {
     "loadPlansButton": (".json",),
     "deviceTableButton": (".json",),
     "loadProfileButton": (".csv",),
-    "loadMeshButton": SURFACES,
+    "loadMeshButton": WHOLE_SUFFIXES,
 }
 """Buttons that the panel answers with a question for a file, and how these files end."""
 

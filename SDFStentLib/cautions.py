@@ -31,6 +31,10 @@ TEMPLATES = {
     "integer-coordinates": "its coordinates are integers; they are written as doubles.",
     "degenerate-triangles": "{triangles} triangles are degenerate (no height).",
     "contents-not-kept": "{contents} of the {format} file are not kept.",
+    "first-of-steps": (
+        "it holds {steps} steps of time; the first, at {time}, is read. For another one, save that "
+        "as a file of its own."
+    ),
     "unusual-extent": (
         "read in {unit}, it is {extent_mm:.3g} mm long, unusual for a vessel; name the unit of the "
         "file{units} if it is another."

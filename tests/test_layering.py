@@ -15,7 +15,7 @@ from SDFStentLib.cautions import TEMPLATES
 
 LIBRARY = PROJECT / "SDFStentLib"
 FLOORS = (
-    ("validation", "parameter", "cautions", "units", "version", "interpreter"),
+    ("validation", "parameter", "cautions", "units", "version", "interpreter", "surface_formats"),
     ("geometry",),
     ("field", "centerline", "certificate"),
     ("lumen", "stent", "files", "phantoms"),
@@ -71,7 +71,7 @@ VTK_GATE = {  # the only files that may import vtk themselves
     "files/surface_files.py", "files/surface_output.py", "files/triangulation.py",
     "files/model_faces.py", "files/same_space.py", "files/ghosts.py",
     "files/formats/vtk_files.py", "files/vmtk_process.py",
-    "files/formats/vtk_quiet.py",
+    "files/formats/vtk_quiet.py", "files/vtkhdf_process.py",
     "report/picture/painter.py",
 }  # fmt: skip
 
@@ -81,7 +81,7 @@ def name_of(path: Path) -> str:
 
 
 def module_of(path: Path) -> str:
-    """Dotted within the library: `files.formats.ply`, a package by its own name."""
+    """Dotted within the library: `files.plain.ply`, a package by its own name."""
     return name_of(path).removesuffix(".py").removesuffix("/__init__").replace("/", ".")
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.files.formats.plain_mesh import decode_obj, decode_stl, encode_stl
-from SDFStentLib.files.formats.ply import decode_ply, encode_ply
+from SDFStentLib.files.plain.obj import decode_obj
+from SDFStentLib.files.plain.ply import decode_ply, encode_ply
+from SDFStentLib.files.plain.stl import decode_stl, encode_stl
 from SDFStentLib.geometry import surface_topology
 from SDFStentLib.validation import InputError
 
@@ -151,7 +152,8 @@ f -4 -3 -2 -1
     assert mesh.offsets.tolist() == [0, 3, 6, 10]
     assert mesh.points.shape == (4, 3)
     assert tuple(map(str, mesh.warnings)) == (
-        "a.obj: texture coordinates, normals, materials, groups of the OBJ file are not kept.",
+        "a.obj: colors, texture coordinates, normals, materials, groups of the OBJ file are not "
+        "kept.",
     )
 
 

@@ -56,7 +56,7 @@ def test_bad_files_give_one_sentence_with_their_name(tmp_path):
         ("noise.stl", "cut short or no STL file"),
         ("wild.obj", "expected point indices from 0 to 2 in its faces, got 0 to 8"),
         ("pointless.stl", "expected a surface of triangles, got none"),
-        ("words.txt", "expected a surface as .vtp, .vtk, .stl, .ply, .obj, got '.txt'"),
+        ("words.txt", "expected a surface as .vtp, .vtk, .stl, .ply, .obj, .off, .*, got '.txt'"),
         ("empty.vtp", "got an empty file"),
         ("missing.vtp", "no such file"),
         (".", "got a folder"),

@@ -72,7 +72,6 @@ def replaced(data, old, new, count=1):
         (b"<Points>", b"<Points></Points><Points>", "expected one element Points, got 2"),
         (b'Name="vector"', b'Name="label"', "expected arrays of different names"),
         (b'byte_order="LittleEndian"', b'byte_order="Middle"', "expected LittleEndian, BigEndian"),
-        (b"<PolyData>", b'<PolyData TimeValues="0 1">', "without steps of time"),
         (b"<VTKFile", b"<!DOCTYPE a><VTKFile", "got a document type"),
     ],
 )

@@ -3,6 +3,8 @@
 import qt
 from slicer.i18n import tr as _
 
+from SDFStentLib.surface_formats import READ_SUFFIXES
+
 from .PanelParts import FolderButton
 
 
@@ -26,7 +28,7 @@ class ExportSection:
         self.ui.saveDeviceButton.enabled = self.ui.write0DButton.enabled = isDeployed
 
     def _onLoad(self):
-        kinds = _("Surface (*.stl *.vtp *.vtk *.ply *.obj)")
+        kinds = _("Surface") + f" ({' '.join('*' + suffix for suffix in READ_SUFFIXES)})"
         self._ask(qt.QFileDialog.getOpenFileName, _("Stent mesh"), "", kinds, "loadDeviceMesh")
 
     def _onSave(self):

@@ -31,6 +31,7 @@ from ..report import (
     write_report,
     write_report_figure,
 )
+from ..surface_formats import written_suffix
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console, tell
 from .flow_options import add_networks, known_of, no_flow
@@ -95,7 +96,9 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
     folder = Path(options.output)
     if plan.surface is not None:
         surface = Path(plan.surface.path)
-        outputs.add(folder / f"{surface.stem}_stented{surface.suffix}", job.write_surface)
+        outputs.add(
+            folder / f"{surface.stem}_stented{written_suffix(surface.suffix)}", job.write_surface
+        )
     if plan.centerline is not None:
         name = Path(plan.centerline.path).name
         suffix = ".mrk.json" if name.lower().endswith(".mrk.json") else Path(name).suffix

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..flow import FlowAnswer, Known, flow_value, known_flow, networks_of, read_wave
 from ..report import document_json
+from ..surface_formats import FORMATS_IN_WORDS
 from ..validation import InputError, as_place
 from .option_table import ACCEPTANCE, NAMES, ROOT, SURFACE, TALK, UNITS, VERBOSE, add_table
 from .outputs import Outputs
@@ -68,7 +69,7 @@ def add_simulate(command: argparse.ArgumentParser) -> None:
         "meshed (MMG, TetGen) and solved by svMultiPhysics where that is installed; pressures, "
         "flows and wall shear are told beside those of the network. docs/flow.md says how."
     )
-    add_table(command, "surface SURFACE  before; VTP, VTK, STL, PLY or OBJ", nargs="?")
+    add_table(command, f"surface SURFACE  before; {FORMATS_IN_WORDS}", nargs="?")
     add_table(
         command,
         f"""\

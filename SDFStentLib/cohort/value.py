@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..files import read_text
+from ..files import read_text, read_with_pieces
 from ..plan import (
     Plan,
     in_words,
@@ -197,8 +196,8 @@ def _hashed(file: InputFile | None) -> InputFile | None:
     if file is None or file.sha256 is not None:
         return file
     try:
-        return InputFile(file.path, hashlib.sha256(Path(file.path).read_bytes()).hexdigest())
-    except OSError:
+        return InputFile(file.path, read_with_pieces(file.path).sha256)
+    except InputError:
         return file  # whoever reads it says why not
 
 

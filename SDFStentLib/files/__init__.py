@@ -32,6 +32,7 @@ from .output_set import StagingFolder as StagingFolder
 from .output_set import commit as commit
 from .output_set import lock as lock
 from .output_set import sweep as sweep
+from .parallel import read_with_pieces as read_with_pieces
 from .polydata import add_arrays as add_arrays
 from .polydata import inscribed_radius_from_polydata as inscribed_radius_from_polydata
 from .polydata import lines_from_polydata as lines_from_polydata

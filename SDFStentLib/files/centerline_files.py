@@ -123,7 +123,7 @@ def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
             f"{path}: expected a centerline as {', '.join(LINE_SUFFIXES)}, got "
             f"{content.suffix or 'no suffix'!r}; convert it."
         )
-    polydata, frame = read_vtk_polydata(content)
+    polydata, frame, warnings = read_vtk_polydata(content)
     name = str(content.path)
     points, lines = lines_from_polydata(polydata, name)
     radius = inscribed_radius_from_polydata(polydata)
@@ -140,6 +140,7 @@ def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
         frame=frame,
         path=content.path,
         sha256=content.sha256,
+        warnings=warnings,
         _polydata=polydata,
     )
 

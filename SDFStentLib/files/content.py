@@ -10,15 +10,20 @@ from pathlib import Path
 
 from ..units import Frame, as_frame
 from ..validation import InputError, as_path
+from .recognized import HEAD, MODEL, has_images, image_in
 
 
 @dataclass(frozen=True)
 class FileContent:
-    """A file as it was read: where it is, its bytes and their SHA-256 (hexadecimal)."""
+    """A file as it was read: where it is, its bytes and their SHA-256 (hexadecimal).
+
+    One that lists others has these as `pieces`, see `parallel`.
+    """
 
     path: Path
     data: bytes
     sha256: str
+    pieces: tuple[FileContent, ...] = ()
 
     @property
     def suffix(self) -> str:
@@ -32,16 +37,19 @@ def read_content(path: str | os.PathLike[str], wanted: str = "a mesh or a line")
     Raises
     ------
     InputError
-        Missing, a folder, a device, empty, or not readable.
+        Missing, a folder, a device, empty, an image, or not readable.
     """
     try:
         path = as_path(path)
         if path.is_dir():
+            if has_images(path):
+                raise InputError(f"{path}: expected {wanted}, got a folder of images; {MODEL}.")
             raise InputError(f"{path}: expected a file, got a folder; name a file in it.")
         if not path.exists():
             raise InputError(f"{path}: no such file; check the path.")
         if not path.is_file():
             raise InputError(f"{path}: expected a file, got a device or a pipe.")
+        _refuse_image(path, wanted)
         data = path.read_bytes()
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         if isinstance(error, InputError):
@@ -53,6 +61,14 @@ def read_content(path: str | os.PathLike[str], wanted: str = "a mesh or a line")
     return FileContent(path, data, hashlib.sha256(data).hexdigest())
 
 
+def _refuse_image(path: Path, wanted: str) -> None:
+    """Before all of it is read: images are large, and nothing reads one."""
+    with path.open("rb") as file:
+        image = image_in(path, file.read(HEAD))
+    if image:
+        raise InputError(f"{path}: expected {wanted}, got {image}; {MODEL}.")
+
+
 def read_text(path: str | os.PathLike[str], wanted: str) -> str:
     """The text of a file in UTF-8; `InputError` as of `read_content`, and for one that is none."""
     try:
@@ -61,26 +77,6 @@ def read_text(path: str | os.PathLike[str], wanted: str) -> str:
         raise InputError(
             f"{path}: expected {wanted}, got no text in UTF-8; save it as that."
         ) from error
-
-
-_BEGINNINGS = {
-    b"# vtk DataFile": "a legacy VTK file (name it .vtk)",
-    b"ply": "a PLY file (name it .ply)",
-    b"solid": "an STL file (name it .stl)",
-    b"<?xml": "another XML file",
-    b"PK": "a ZIP archive (unpack it)",
-    b"\x1f\x8b": "a compressed file (unpack it)",
-}
-
-
-def kind_in_words(data: bytes) -> str:
-    """What a file that is not what its name says seems to be: by its beginning, for a message."""
-    if b"<VTKFile" in data[:4096]:
-        return "a VTK XML file (name it .vtp)"
-    for beginning, words in _BEGINNINGS.items():
-        if data.startswith(beginning):
-            return words
-    return f"a file that begins with {data[:12]!r}"
 
 
 def frame_in_text(text: str) -> Frame | None:

@@ -16,23 +16,25 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
 from ..geometry import NO_HEIGHT, NamedFaces, Precision, Surface, dot
+from ..surface_formats import READ_SUFFIXES
 from ..units import Frame, millimeters_per
 from ..validation import InputError, Points, Triangles, as_points
 from .composition import composition_warnings
-from .content import FileContent, frame_in_text, read_content
-from .formats import Decoder, decode_obj, decode_ply, decode_stl, read_vtk_polydata
-from .model_faces import ID_ARRAY, faces_of_polydata, names_beside
+from .content import FileContent, frame_in_text
+from .formats import read_vtk_polydata
+from .model_faces import ID_ARRAY, faces_of_polydata, names_beside, set_face_names
+from .parallel import read_with_pieces
+from .plain import Decoder, decode_obj, decode_off, decode_ply, decode_stl
 from .polydata import add_arrays, polydata_from_polygons, surface_from_polydata
+from .recognized import HEAD, in_words, recognized
 from .same_space import size_warnings
 from .triangulation import triangulated_polydata
-
-SURFACE_SUFFIXES = (".vtp", ".vtk", ".stl", ".ply", ".obj")
-"""Formats that surfaces are read from and written to."""
 
 _PLAIN_DECODERS: dict[str, Decoder] = {
     ".stl": decode_stl,
     ".ply": decode_ply,
     ".obj": decode_obj,
+    ".off": decode_off,
 }
 
 
@@ -103,12 +105,13 @@ class SurfaceFile:
 
 
 def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile:
-    """Read a surface from VTP, legacy VTK, STL, PLY or OBJ.
+    """Read a surface in one of `SURFACE_FORMATS`; legacy VTK and VTU may be unstructured grids.
 
     Polygons and strips are cut into triangles, vertices and lines dropped, each with a warning;
     points without a triangle and degenerate triangles stay. Equal corners of STL become one
-    point; of other formats points that lie on each other at a seam count as one, and come back
-    as they were, as ghost cells do.
+    point, and several solids of it the faces of the model; of other formats points that lie on
+    each other at a seam count as one, and come back as they were, as ghost cells do. Of several
+    steps of time the first is read.
 
     Parameters
     ----------
@@ -123,7 +126,7 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
         infinite coordinates, unknown units.
     """
     scale = millimeters_per(units)
-    content = read_content(path)
+    content = read_with_pieces(path)
     polydata, frame, warnings = _read_polydata(content)
     name = str(content.path)
     template, changes = triangulated_polydata(polydata, name)
@@ -152,13 +155,29 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
 
 
 def _read_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None, tuple[Caution, ...]]:
-    if content.suffix in (".vtp", ".vtk"):
-        return *read_vtk_polydata(content), ()
-    if content.suffix not in _PLAIN_DECODERS:
+    kind = recognized(content.data[:HEAD])
+    is_other = kind is not None and kind.suffix != content.suffix
+    if content.suffix not in READ_SUFFIXES:
+        suffix = content.suffix or "no suffix"
+        told = f", {in_words(content.data[:HEAD])}" if kind else ""
         raise InputError(
-            f"{content.path}: expected a surface as {', '.join(SURFACE_SUFFIXES)}, got "
-            f"{content.suffix or 'no suffix'!r}; convert it."
+            f"{content.path}: expected a surface as {', '.join(READ_SUFFIXES)}, got {suffix!r}"
+            f"{told}; convert it."
         )
+    try:
+        return _decoded(content)
+    except InputError as error:
+        if not is_other:
+            raise
+        # What is read well is what its name says, whatever its first bytes could be, too.
+        raise InputError(
+            f"{content.path}: expected what its name says, got {in_words(content.data[:HEAD])}."
+        ) from error
+
+
+def _decoded(content: FileContent) -> tuple[vtkPolyData, Frame | None, tuple[Caution, ...]]:
+    if content.suffix not in _PLAIN_DECODERS:
+        return read_vtk_polydata(content)
     name = str(content.path)
     mesh = _PLAIN_DECODERS[content.suffix](content.data, name)
     if len(mesh.corners) and (mesh.corners.min() < 0 or mesh.corners.max() >= len(mesh.points)):
@@ -168,6 +187,9 @@ def _read_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None, tup
         )
     polydata = polydata_from_polygons(mesh.points, mesh.offsets, mesh.corners)
     add_arrays(polydata, mesh.point_arrays, mesh.cell_arrays)
+    if mesh.face_ids is not None:
+        add_arrays(polydata, None, {ID_ARRAY: mesh.face_ids})
+        set_face_names(polydata, mesh.face_names)
     if "Normals" in mesh.point_arrays:
         polydata.GetPointData().SetActiveNormals("Normals")
     return polydata, frame_in_text(mesh.text), mesh.warnings

@@ -14,13 +14,22 @@ from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 
 from ..cautions import Caution
 from ..geometry import Surface, dot, face_normals, vertex_normals
+from ..surface_formats import WRITTEN_SUFFIXES
 from ..units import millimeters_per
 from ..validation import InputError, Points, Triangles, as_path, as_points, check_is_a
 from .atomic import check_suffix, check_writable, write_bytes
 from .content import header_text
+<<<<<<< HEAD
 from .formats import encode_legacy, encode_obj, encode_ply, encode_stl, encode_vtp, fits_ply
 from .polydata import add_arrays, polygons_from_polydata, set_frame_of_polydata
 from .surface_files import SURFACE_SUFFIXES, SurfaceFile
+=======
+from .formats import encode_legacy, encode_vtp
+from .model_faces import ID_ARRAY, NAME_ARRAY
+from .plain import encode_obj, encode_ply, encode_solids, encode_stl, fits_ply
+from .polydata import add_arrays, set_frame_of_polydata
+from .surface_files import SurfaceFile
+>>>>>>> bc49780 (ENH: Read grids of triangles, pieces, VTKHDF, OFF and strips, and name files for what they are)
 
 
 class _Encoded(NamedTuple):
@@ -40,7 +49,8 @@ def write_surface(
     Unit, frame tag, data types, topology and every array are those of the file that was read;
     the coordinates of points that have not moved have the same bits. Normals are recomputed where
     the surface changed. VTP is written binary, appended and compressed, the others binary, OBJ as
-    text; STL is always single precision.
+    text; STL is always single precision, and ASCII with a solid for each face where faces of the
+    model are known by name.
 
     Parameters
     ----------
@@ -93,7 +103,7 @@ def _own_triangles(polydata: vtkPolyData) -> Triangles:
 
 def check_surface_output(path: str | os.PathLike[str]) -> Path:
     """The file that `write_surface` would replace; `InputError` early where it could not."""
-    check_suffix(as_path(path), "a surface", SURFACE_SUFFIXES)
+    check_suffix(as_path(path), "a surface", WRITTEN_SUFFIXES)
     return check_writable(path)
 
 
@@ -141,7 +151,29 @@ def _encode(polydata: vtkPolyData, suffix: str, surface: SurfaceFile) -> _Encode
         return _Encoded(encode_ply(points, triangles, kept[0], kept[1], title), lost)
     lost += list(point_arrays) + list(cell_arrays)
     if suffix == ".obj":
+<<<<<<< HEAD
         return _Encoded(encode_obj(points, triangles, title), lost)
+=======
+        return _Encoded(encode_obj(points, surface.triangles, title), lost)
+    return _encode_stl(points, surface, cell_arrays, lost, title)
+
+
+def _encode_stl(
+    points: Points,
+    surface: SurfaceFile,
+    cell_arrays: dict[str, NDArray[Any]],
+    lost: list[str],
+    title: str,
+) -> _Encoded:
+    """Solids in ASCII where the faces of the model are known by name or came so, else binary."""
+    faces = surface.faces
+    came_so = surface.path.suffix.lower() == ".stl"
+    if faces is not None and np.ptp(faces.ids) > 0 and (faces.names or came_so):
+        lost = [name for name in lost if name not in (ID_ARRAY, NAME_ARRAY)]
+        tag = f"SPACE={surface.frame}" if surface.frame else ""
+        data = encode_solids(points, surface.triangles, faces.ids, faces.names, tag)
+        return _Encoded(data, lost)
+>>>>>>> bc49780 (ENH: Read grids of triangles, pieces, VTKHDF, OFF and strips, and name files for what they are)
     attribute = cell_arrays.get("Attribute")
     if attribute is not None and attribute.dtype == np.uint16:
         lost.remove("Attribute")

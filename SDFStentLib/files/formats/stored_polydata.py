@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...cautions import Caution
+
 CELL_KINDS = ("Verts", "Lines", "Polys", "Strips")
 """In the order in which polydata counts its cells."""
 
@@ -45,6 +47,36 @@ def check_cells(offsets: NDArray[np.int64], corners: NDArray[np.int64], point_co
             f"expected point indices from 0 to {point_count - 1} in its cells, got "
             f"{corners.min()} to {corners.max()}"
         )
+
+
+def cells_of_list(
+    listed: NDArray[np.int64], count: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Cells of the old form, where the number of corners stands before the corners of each.
+
+    Offsets and corners as of `Cells` in `polydata`; `Damage` where the numbers are no such cells.
+    """
+    width = len(listed) // count if count else 0
+    if count and width * count == len(listed) and (listed[::width] == width - 1).all():
+        corners = listed.reshape(count, width)[:, 1:].ravel()
+        return (width - 1) * np.arange(count + 1), corners
+    heads: list[int] = []
+    at = 0
+    numbers = listed.tolist()
+    # Ends: `at` grows by one at least.
+    while at < len(numbers) and len(heads) < count and numbers[at] >= 0:
+        heads.append(at)
+        at += 1 + numbers[at]
+    if at != len(numbers) or len(heads) != count:
+        raise Damage(f"expected {count} cells in {len(numbers)} numbers, got others")
+    is_corner = np.ones(len(listed), dtype=bool)
+    is_corner[heads] = False
+    return np.concatenate([[0], np.cumsum(listed[heads])]).astype(np.int64), listed[is_corner]
+
+
+def first_of_steps(steps: int, time: str, name: str) -> Caution:
+    """What to say of a file with several steps of time, of which the first is read."""
+    return Caution("first-of-steps", {"steps": steps, "time": time}, label=f"{name}: ")
 
 
 @dataclass(frozen=True)
@@ -99,6 +131,8 @@ class StoredPolydata:
     cells : dict of str to (offsets, corners)
         By the names of `CELL_KINDS`; offsets (m + 1,) and corners are int64, and fit together.
     point_data, cell_data, field_data : ArrayGroup
+    cautions : tuple of Caution
+        What of the file is not in it.
     """
 
     points: StoredArray
@@ -106,3 +140,4 @@ class StoredPolydata:
     point_data: ArrayGroup
     cell_data: ArrayGroup
     field_data: ArrayGroup
+    cautions: tuple[Caution, ...] = ()

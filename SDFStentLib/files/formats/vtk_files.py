@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from vtkmodules.vtkCommonDataModel import (
 )
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
+from ...cautions import Caution
 from ...units import Frame
 from ...validation import Indices, InputError, Points
 from ..content import FileContent, frame_in_text
@@ -33,7 +34,8 @@ from ..polydata import add_arrays, cell_array, frame_of_polydata, polydata_from_
 from .stored_polydata import ArrayGroup, StoredArray, StoredPolydata
 from .vtk_legacy import decode_legacy, title_of
 from .vtk_quiet import vtk_messages
-from .vtp import decode_vtp
+from .vtkhdf import by_vtk
+from .vtp import GRID, POLYDATA, decode_grid, decode_pieces, decode_vtp
 
 _ROLES = {
     vtkDataSetAttributes.GetAttributeTypeAsString(number): number
@@ -112,26 +114,48 @@ _LEVEL = 1
 """Of compression: half of the time that VTK's own 5 takes, for 3 % more bytes."""
 
 
-def read_vtk_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None]:
-    """Polydata of a VTP or legacy VTK file, and the frame that its tag names.
+class ReadPolydata(NamedTuple):
+    """What a file of VTK holds."""
+
+    polydata: vtkPolyData
+    frame: Frame | None
+    """That its tag names."""
+    cautions: tuple[Caution, ...]
+    """What of the file is not in it."""
+
+
+def read_vtk_polydata(content: FileContent) -> ReadPolydata:
+    """Polydata of a file of one of VTK's formats; an unstructured grid that is a surface, too.
 
     Parameters
     ----------
     content : FileContent
         The file. It is read by strict readers of our own: VTK's abort the process, or ask for
-        gigabytes, where a file is damaged.
+        gigabytes, where a file is damaged. VTKHDF is left to VTK's, in a process of its own.
 
     Raises
     ------
     InputError
-        Not such a file, other data than polydata, cut short or damaged.
+        Not such a file, other data than a surface or lines, cut short or damaged.
     """
     name = str(content.path)
-    if content.suffix == ".vtp":
-        polydata = polydata_from_stored(decode_vtp(content.data, name))
-        return polydata, frame_of_polydata(polydata)
-    polydata = polydata_from_stored(decode_legacy(content.data, name))
-    return polydata, frame_in_text(title_of(content.data)) or frame_of_polydata(polydata)
+    if content.suffix == ".vtk":
+        stored, title = decode_legacy(content.data, name), title_of(content.data)
+    else:
+        stored, title = _DECODERS[content.suffix](content), ""
+    polydata = polydata_from_stored(stored)
+    frame = frame_in_text(title) or frame_of_polydata(polydata)
+    return ReadPolydata(polydata, frame, stored.cautions)
+
+
+_DECODERS: dict[str, Callable[[FileContent], StoredPolydata]] = {
+    ".vtp": lambda content: decode_vtp(content.data, str(content.path)),
+    ".vtu": lambda content: decode_grid(content.data, str(content.path)),
+    ".pvtp": lambda content: decode_pieces(content.pieces, POLYDATA),
+    ".pvtu": lambda content: decode_pieces(content.pieces, GRID),
+    ".vtkhdf": lambda content: by_vtk(content.path),
+}
+"""VTK's formats of today; the legacy one has a title beside."""
 
 
 def encode_vtp(polydata: vtkPolyData) -> bytes:

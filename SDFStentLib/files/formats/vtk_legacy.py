@@ -1,4 +1,4 @@
-"""Legacy VTK polydata, versions 1 to 5, text or binary, read strictly.
+"""Legacy VTK polydata and grids that are surfaces, versions 1 to 5, text or binary, read strictly.
 
 Source: VTK's file formats, "Simple legacy formats". A file is a row of blocks; each says what
 follows it, and all of that must be there.
@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...validation import InputError, in_short
-from ..content import kind_in_words
+from ..recognized import in_words
+from .grid_cells import polydata_cells, reordered
 from .legacy_cursor import LegacyCursor
 from .stored_polydata import (
     CELL_KINDS,
@@ -22,6 +23,7 @@ from .stored_polydata import (
     Kind,
     StoredArray,
     StoredPolydata,
+    cells_of_list,
     check_cells,
 )
 
@@ -49,6 +51,11 @@ _CELL_WORDS = {
 }  # fmt: skip
 
 
+_GRID = "Cells"
+_CELL_WORDS_OF = {"POLYDATA": _CELL_WORDS, "UNSTRUCTURED_GRID": {"cells": _GRID}}
+_NOTHING = np.zeros(1, np.int64), np.zeros(0, np.int64)
+
+
 class _Role(NamedTuple):
     name: str
     components: int | None  # None: the file says
@@ -66,7 +73,7 @@ _MOST_COMPONENTS = 10_000
 
 
 def decode_legacy(data: bytes, name: str) -> StoredPolydata:
-    """Read legacy VTK polydata with every array.
+    """Read legacy VTK polydata, or an unstructured grid of such cells, with every array.
 
     Parameters
     ----------
@@ -83,7 +90,7 @@ def decode_legacy(data: bytes, name: str) -> StoredPolydata:
     """
     lines = data.split(b"\n", 3)
     if not data.startswith(b"# vtk DataFile"):
-        raise InputError(f"{name}: expected a legacy VTK file, got {kind_in_words(data)}.")
+        raise InputError(f"{name}: expected a legacy VTK file, got {in_words(data)}.")
     coding = lines[2].strip().upper() if len(lines) > 3 else b""
     if coding not in (b"ASCII", b"BINARY"):
         found = in_short(coding.decode("latin-1"))
@@ -104,6 +111,8 @@ class _Reader:
     def __init__(self, cursor: LegacyCursor, name: str) -> None:
         self._cursor, self._name = cursor, name
         self._points: StoredArray | None = None
+        self._cell_words: dict[str, str] = {}
+        self._types = np.zeros(0, np.int64)  # of the cells of a grid
         self._cells: dict[str, _Cells] = {}
         self._groups = {"point": ArrayGroup(), "cell": ArrayGroup(), "field": ArrayGroup()}
         self._group, self._rows = self._groups["field"], 0
@@ -117,12 +126,19 @@ class _Reader:
             self._block(word.lower())
         if self._points is None:
             raise Damage("expected POINTS, found none")
-        nothing = np.zeros(1, np.int64), np.zeros(0, np.int64)
-        cells = {kind: self._cells.get(kind, nothing) for kind in CELL_KINDS}
-        self._check_corners(cells)
+        self._check_corners(self._cells)
         self._check_rows("point", len(self._points.values))
-        self._check_rows("cell", sum(len(offsets) - 1 for offsets, _ in cells.values()))
-        return StoredPolydata(self._points, cells, *self._groups.values())
+        self._check_rows("cell", sum(len(offsets) - 1 for offsets, _ in self._cells.values()))
+        points, cells, fields = self._groups.values()
+        if _GRID in self._cell_words.values():
+            offsets, corners = self._cells.get(_GRID, _NOTHING)
+            if len(self._types) != len(offsets) - 1:
+                raise Damage(f"expected {len(offsets) - 1} types, got {len(self._types)}")
+            found = polydata_cells(self._types, offsets, corners, self._name)
+            cells = reordered(cells, found.order)
+            return StoredPolydata(self._points, found.cells, points, cells, fields)
+        kinds = {kind: self._cells.get(kind, _NOTHING) for kind in CELL_KINDS}
+        return StoredPolydata(self._points, kinds, points, cells, fields)
 
     def _check_rows(self, key: str, count: int) -> None:
         for announced in self._row_counts[key]:
@@ -136,11 +152,12 @@ class _Reader:
         word, kind = self._cursor.word().upper(), ""
         if word == "DATASET":
             kind = self._cursor.word().upper()
-        if kind != "POLYDATA":
+        if kind not in _CELL_WORDS_OF:
             raise InputError(
                 f"{self._name}: expected POLYDATA, got {in_short(kind)[1:-1] or 'no data set'}; "
                 "extract its surface."
             )
+        self._cell_words = _CELL_WORDS_OF[kind]
 
     def _check_corners(self, cells: dict[str, _Cells]) -> None:
         count = len(self._points.values) if self._points else 0
@@ -150,8 +167,10 @@ class _Reader:
     def _block(self, word: str) -> None:
         if word == "points":
             self._read_points()
-        elif word in _CELL_WORDS:
-            self._read_cells(_CELL_WORDS[word])
+        elif word in self._cell_words:
+            self._read_cells(self._cell_words[word])
+        elif word == "cell_types" and _GRID in self._cell_words.values():
+            self._types = self._cursor.numbers(self._cursor.count(), "i4").astype(np.int64)
         elif word in ("point_data", "cell_data"):
             self._group, self._rows = self._groups[word[:-5]], self._cursor.count()
             self._row_counts[word[:-5]].append(self._rows)
@@ -183,7 +202,7 @@ class _Reader:
             self._cells[kind] = (offsets if len(offsets) else np.zeros(1, np.int64)), corners
         elif count or size:
             listed = self._cursor.numbers(size, "i4").astype(np.int64)
-            self._cells[kind] = _from_list(listed, count)
+            self._cells[kind] = cells_of_list(listed, count)
 
     def _listed(self, word: str, count: int) -> NDArray[np.int64]:
         found = self._cursor.word().upper()
@@ -261,26 +280,6 @@ class _Reader:
 
     def _component_names(self, components: int) -> dict[int, str]:
         return self._cursor.metadata(components) if self._cursor.skip("METADATA") else {}
-
-
-def _from_list(listed: NDArray[np.int64], count: int) -> _Cells:
-    """Cells of the old form, where the number of corners stands before the corners of each."""
-    width = len(listed) // count if count else 0
-    if count and width * count == len(listed) and (listed[::width] == width - 1).all():
-        corners = listed.reshape(count, width)[:, 1:].ravel()
-        return (width - 1) * np.arange(count + 1), corners
-    heads: list[int] = []
-    at = 0
-    numbers = listed.tolist()
-    # Ends: `at` grows by one at least.
-    while at < len(numbers) and len(heads) < count and numbers[at] >= 0:
-        heads.append(at)
-        at += 1 + numbers[at]
-    if at != len(numbers) or len(heads) != count:
-        raise Damage(f"expected {count} cells in {len(numbers)} numbers, got others")
-    is_corner = np.ones(len(listed), dtype=bool)
-    is_corner[heads] = False
-    return np.concatenate([[0], np.cumsum(listed[heads])]).astype(np.int64), listed[is_corner]
 
 
 def title_of(data: bytes) -> str:

@@ -1,51 +1,41 @@
-"""VTP, VTK's XML polydata, read strictly: whole and consistent, or a sentence."""
+"""VTP and surfaces in VTU, VTK's XML, read strictly: whole and consistent, or a sentence."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...cautions import Caution
 from ...validation import InputError, in_short
+from ..content import FileContent
+from .grid_cells import polydata_cells, reordered
 from .stored_polydata import (
     CELL_KINDS,
     ArrayGroup,
     Damage,
-    Kind,
     StoredArray,
     StoredPolydata,
     check_cells,
+    first_of_steps,
 )
 from .vtp_arrays import encoding_of, read_array, whole_number
 from .vtp_bytes import Encoding
 from .vtp_markup import Element, parsed_markup
+from .vtp_pieces import Cells, Piece, joined
 
-_Cells = tuple[NDArray[np.int64], NDArray[np.int64]]
-
-
-_NO_POINTS = StoredArray("Points", Kind("vtkFloatArray", "f4"), np.zeros((0, 3), np.float32), 3)
-
-
-class _Piece(NamedTuple):
-    points: StoredArray | None
-    cells: dict[str, _Cells]
-    point_data: ArrayGroup
-    cell_data: ArrayGroup
-
-    @property
-    def point_count(self) -> int:
-        return 0 if self.points is None else len(self.points.values)
-
-    @property
-    def cell_counts(self) -> list[int]:
-        return [len(self.cells[kind][0]) - 1 for kind in CELL_KINDS]
+POLYDATA, GRID = "PolyData", "UnstructuredGrid"
+SUFFIXES = {POLYDATA: "VTP", GRID: "VTU"}
+"""What files are called by the data in them."""
 
 
 def decode_vtp(data: bytes, name: str) -> StoredPolydata:
     """Read VTP: text, inline or appended, every compressor of VTK, one piece or several.
+
+    Of several steps of time the first is read, and told.
 
     Parameters
     ----------
@@ -57,35 +47,76 @@ def decode_vtp(data: bytes, name: str) -> StoredPolydata:
     Raises
     ------
     InputError
-        Not VTP, other data than polydata, cut short, damaged, or with steps of time.
+        Not VTP, other data than polydata, cut short or damaged.
     """
-    markup = parsed_markup(data, name, "VTP")
-    if markup.kind != "PolyData":
-        raise InputError(f"{name}: expected PolyData, got {markup.kind}; extract its surface.")
+    return _decoded([(data, name)], POLYDATA)
+
+
+def decode_grid(data: bytes, name: str) -> StoredPolydata:
+    """The same of VTU, an unstructured grid that is a surface; `InputError` for a volume."""
+    return _decoded([(data, name)], GRID)
+
+
+def decode_pieces(files: Iterable[FileContent], kind: str) -> StoredPolydata:
+    """Several files as one, all of polydata or of grids (`kind`); else as `decode_vtp`."""
+    return _decoded([(file.data, str(file.path)) for file in files], kind)
+
+
+def _decoded(files: list[tuple[bytes, str]], kind: str) -> StoredPolydata:
+    pieces: list[Piece] = []
+    fields: list[ArrayGroup] = []
+    cautions: list[Caution] = []
+    name = files[0][1]
     try:
-        return _Reader(encoding_of(markup, data)).polydata(markup.root)
+        for data, name in files:
+            markup = parsed_markup(data, name, SUFFIXES[kind])
+            if markup.kind != kind:
+                raise InputError(
+                    f"{name}: expected {kind}, got {markup.kind}; extract its surface."
+                )
+            read = _Reader(encoding_of(markup, data), name, kind).contents(markup.root)
+            pieces += read.pieces
+            fields.append(read.fields)
+            cautions += read.cautions
+        result = joined(pieces, fields[0])
+        return replace(result, cautions=tuple(cautions))
     except Damage as error:
         raise InputError(f"{name}: {error}; the file is damaged, write it again.") from error
+
+
+class _Contents(NamedTuple):
+    pieces: list[Piece]
+    fields: ArrayGroup
+    cautions: list[Caution]
 
 
 @dataclass(frozen=True)
 class _Reader:
     encoding: Encoding
+    name: str
+    kind: str
 
-    def polydata(self, root: Element) -> StoredPolydata:
-        bodies = list(root.all_of("PolyData"))
-        if len(bodies) != 1 or "TimeValues" in bodies[0].attributes:
-            raise Damage("expected one PolyData without steps of time, got others")
+    def contents(self, root: Element) -> _Contents:
+        bodies = list(root.all_of(self.kind))
+        if len(bodies) != 1:
+            raise Damage(f"expected one {self.kind}, got {len(bodies)}")
+        times = bodies[0].attributes.get("TimeValues", "").split()
+        if len(times) > 1:
+            bodies = [_first_step(bodies[0])]
         pieces = [self._piece(element) for element in bodies[0].all_of("Piece")]
         fields = [self._group(element, None) for element in bodies[0].all_of("FieldData")]
         if len(fields) > 1 or not pieces:
             raise Damage(f"expected a piece and one FieldData, got {len(pieces)} and {len(fields)}")
-        return _joined(pieces, fields[0] if fields else ArrayGroup())
+        cautions = [first_of_steps(len(times), times[0], self.name)] if len(times) > 1 else []
+        return _Contents(pieces, fields[0] if fields else ArrayGroup(), cautions)
 
-    def _piece(self, piece: Element) -> _Piece:
+    def _piece(self, piece: Element) -> Piece:
         counts = piece.attributes
         point_count = whole_number(counts, "NumberOfPoints", 0)
         points = self._points(_only(piece, "Points"), point_count)
+        point_data = self._group(_only(piece, "PointData"), point_count)
+        if self.kind == GRID:
+            return Piece(points, *self._grid(piece, point_count, point_data))
         cells = {
             kind: self._cells(
                 _only(piece, kind), whole_number(counts, f"NumberOf{kind}", 0), point_count
@@ -93,12 +124,31 @@ class _Reader:
             for kind in CELL_KINDS
         }
         cell_count = sum(len(offsets) - 1 for offsets, _ in cells.values())
-        return _Piece(
+        return Piece(
             points,
             cells,
-            self._group(_only(piece, "PointData"), point_count),
+            point_data,
             self._group(_only(piece, "CellData"), cell_count),
         )
+
+    def _grid(
+        self, piece: Element, point_count: int, point_data: ArrayGroup
+    ) -> tuple[dict[str, Cells], ArrayGroup, ArrayGroup]:
+        """Cells, data of the points and data of the cells, in the order of polydata."""
+        count = whole_number(piece.attributes, "NumberOfCells", 0)
+        section = _only(piece, "Cells")
+        offsets, corners = self._cells(section, count, point_count)
+        types = [
+            part
+            for part in (section.children if section and count else ())
+            if part.attributes.get("Name") == "types"
+        ]
+        if count and len(types) != 1:
+            raise Damage(f"expected types of {count} cells, got none")
+        kinds = self._integers(types[0], count) if types else np.zeros(0, np.int64)
+        cells, order = polydata_cells(kinds, offsets, corners, self.name)
+        cell_data = self._group(_only(piece, "CellData"), count)
+        return cells, point_data, reordered(cell_data, order)
 
     def _points(self, section: Element | None, count: int) -> StoredArray | None:
         arrays = list(section.all_of("DataArray")) if section else []
@@ -111,7 +161,7 @@ class _Reader:
             raise Damage("expected points of three numbers, got others")
         return points
 
-    def _cells(self, section: Element | None, count: int, point_count: int) -> _Cells:
+    def _cells(self, section: Element | None, count: int, point_count: int) -> Cells:
         if count == 0:
             return np.zeros(1, np.int64), np.zeros(0, np.int64)
         found = {
@@ -158,64 +208,30 @@ def _only(piece: Element, tag: str) -> Element | None:
     return found[0] if found else None
 
 
-def _joined(pieces: Sequence[_Piece], fields: ArrayGroup) -> StoredPolydata:
-    """One polydata of all pieces: of each kind of cells, those of the first piece come first."""
-    first = [sum(piece.point_count for piece in pieces[:number]) for number in range(len(pieces))]
-    with_points = [piece for piece in pieces if piece.point_count] or [pieces[0]]
-    with_cells = [piece for piece in pieces if sum(piece.cell_counts)] or [pieces[0]]
-    points = [piece.points for piece in with_points if piece.points is not None] or [_NO_POINTS]
-    cells = {
-        kind: _joined_cells([piece.cells[kind] for piece in pieces], first) for kind in CELL_KINDS
-    }
-    point_data = _joined_groups([piece.point_data for piece in with_points], None)
-    cell_data = _joined_groups(
-        [piece.cell_data for piece in with_cells],
-        _order_of_cells([p.cell_counts for p in with_cells]),
-    )
-    return StoredPolydata(_joined_arrays(points), cells, point_data, cell_data, fields)
+def _first_step(body: Element) -> Element:
+    """Only what belongs to the first step of time.
+
+    Appended arrays stand in one piece, with the steps that each is of; others have a piece per
+    step, in which all arrays are of the same.
+    """
+    children = []
+    for element in body.children:
+        kept = _of_first_step(element) if element.tag == "Piece" else element
+        if kept is not None:
+            children.append(kept)
+    return replace(body, children=children)
 
 
-def _joined_cells(parts: Sequence[_Cells], first: Sequence[int]) -> _Cells:
-    starts = np.cumsum([0, *(len(corners) for _, corners in parts)])
-    offsets = [offsets[1:] + start for (offsets, _), start in zip(parts, starts[:-1], strict=True)]
-    corners = [corners + start for (_, corners), start in zip(parts, first, strict=True)]
-    return np.concatenate([np.zeros(1, np.int64), *offsets]), np.concatenate(corners)
+def _of_first_step(piece: Element) -> Element | None:
+    sections = [
+        replace(section, children=[part for part in section.children if _is_first(part)])
+        for section in piece.children
+    ]
+    had = any(section.children for section in piece.children)
+    has = any(section.children for section in sections)
+    return replace(piece, children=sections) if has or not had else None
 
 
-def _order_of_cells(counts: list[list[int]]) -> NDArray[np.int64] | None:
-    """Which cell of all pieces, put one behind the other, comes when: kind by kind."""
-    if len(counts) == 1:
-        return None
-    kind = np.concatenate([np.repeat(np.arange(len(CELL_KINDS)), count) for count in counts])
-    return np.argsort(kind, kind="stable")
-
-
-def _joined_groups(groups: Sequence[ArrayGroup], order: NDArray[np.int64] | None) -> ArrayGroup:
-    if len(groups) == 1:
-        return groups[0]
-    names = [[array.name for array in group.arrays] for group in groups]
-    if any(other != names[0] for other in names):
-        raise Damage("expected the same arrays in all of its pieces, got others")
-    columns = zip(*(group.arrays for group in groups), strict=True)
-    return replace(groups[0], arrays=[_joined_arrays(list(column), order) for column in columns])
-
-
-def _joined_arrays(
-    parts: Sequence[StoredArray], order: NDArray[np.int64] | None = None
-) -> StoredArray:
-    if len(parts) == 1:
-        return parts[0]
-    one = parts[0]
-    if any((part.kind, part.components) != (one.kind, one.components) for part in parts):
-        raise Damage(f"its array {one.name}: expected the same type in all pieces, got others")
-    if one.kind.is_text:
-        rows = [value for part in parts for value in part.values]
-        numbers = range(len(rows)) if order is None else _flat(order, one.components)
-        return replace(one, values=[rows[number] for number in numbers])
-    values = np.concatenate([np.asarray(part.values) for part in parts])
-    return replace(one, values=values if order is None else values[order])
-
-
-def _flat(order: NDArray[np.int64], components: int) -> list[int]:
-    rows = components * order[:, None] + np.arange(components)
-    return rows.ravel().tolist()
+def _is_first(array: Element) -> bool:
+    steps = array.attributes.get("TimeStep", "").split()
+    return not steps or "0" in steps

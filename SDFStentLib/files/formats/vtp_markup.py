@@ -1,4 +1,4 @@
-"""The XML of a VTP or VTU file, parsed within limits; its numbers are left to `vtp_arrays`."""
+"""The XML of VTP and VTU, parsed within limits; its numbers are left to `vtp_arrays`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import NamedTuple
 from xml.parsers import expat
 
 from ...validation import InputError, in_short
-from ..content import kind_in_words
+from ..recognized import in_words
 
 _SECTIONS = ("PointData", "CellData", "Points", "Verts", "Lines", "Strips", "Polys", "Cells")
 _ARRAYS = ("DataArray", "Array")
-_BODIES = ("PolyData", "UnstructuredGrid")
+_BODIES = ("PolyData", "UnstructuredGrid", "PPolyData", "PUnstructuredGrid")
 _PARENTS = {
     "VTKFile": ("",),
     **dict.fromkeys(_BODIES, ("VTKFile",)),
@@ -81,7 +81,7 @@ def parsed_markup(data: bytes, name: str, suffix: str) -> Markup:
         that are not the last element.
     """
     if b"<VTKFile" not in data[:4096]:
-        raise InputError(f"{name}: expected a {suffix} file (VTK XML), got {kind_in_words(data)}.")
+        raise InputError(f"{name}: expected a {suffix} file (VTK XML), got {in_words(data)}.")
     if not re.search(rb"</VTKFile\s*>\Z", data[-1000:].rstrip(b" \t\r\n\0")):
         raise InputError(f"{name}: its end is missing; it is cut short, write it again.")
     whole = data.rstrip(b" \t\r\n\0")

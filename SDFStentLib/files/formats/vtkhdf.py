@@ -1,0 +1,62 @@
+"""VTKHDF, read by VTK in a process of its own: a damaged file ends that one, and nothing else."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ...interpreter import interpreter
+from ...validation import InputError
+from .stored_polydata import StoredPolydata, first_of_steps
+from .vtp import decode_grid, decode_vtp
+
+TIME_LIMIT = 300.0
+"""s; 100 MB take about one."""
+
+ANSWER, TOLD = "surface.xml", "told.json"
+"""Files of the process: the surface as VTK's XML, and what it is."""
+
+
+def by_vtk(path: Path) -> StoredPolydata:
+    """The surface of a VTKHDF file.
+
+    Raises
+    ------
+    InputError
+        Damaged, cut short, other data than polydata or a grid that is a surface.
+    """
+    name = str(path)
+    with TemporaryDirectory(prefix="sdfstent-") as folder:
+        program = f"{__package__.rpartition('.')[0]}.vtkhdf_process"
+        command = [interpreter(), "-m", program, str(path.resolve()), folder]
+        try:
+            done = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT, check=False)
+        except subprocess.TimeoutExpired as error:
+            raise _unread(name, f"no answer in {TIME_LIMIT:g} s") from error
+        told, answer = Path(folder, TOLD), Path(folder, ANSWER)
+        if done.returncode or not told.is_file():
+            raise _unread(name, f"VTK ended with code {done.returncode}")
+        known = json.loads(told.read_text(encoding="utf-8"))
+        if known["errors"]:
+            raise _unread(name, known["errors"])
+        if not answer.is_file():
+            raise InputError(
+                f"{name}: expected a surface, got {known['kind']}; extract its surface and save "
+                "that as .vtp."
+            )
+        data = answer.read_bytes()
+    decode = decode_grid if known["kind"] == "vtkUnstructuredGrid" else decode_vtp
+    stored = decode(data, name)
+    if known["steps"] < 2:
+        return stored
+    return replace(stored, cautions=(first_of_steps(known["steps"], known["time"], name),))
+
+
+def _unread(name: str, reason: str) -> InputError:
+    return InputError(
+        f"{name}: expected a VTKHDF file, VTK cannot read it ({reason}); it is cut short or "
+        "damaged, write it again."
+    )
