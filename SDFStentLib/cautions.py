@@ -30,7 +30,7 @@ TEMPLATES = {
     "cells-dropped": "{cells} vertices and lines among the cells were dropped.",
     "integer-coordinates": "its coordinates are integers; they are written as doubles.",
     "degenerate-triangles": "{triangles} triangles are degenerate (no height).",
-    "contents-not-kept": "{contents} of the {format} file are not kept.",
+    "contents-not-kept": "not kept of the {format} file: {contents}.",
     "first-of-steps": (
         "it holds {steps} steps of time; the first, at {time}, is read. For another one, save that "
         "as a file of its own."

@@ -14,12 +14,14 @@ from SDFStentLib.files import (
     polydata_from_arrays,
     polydata_from_lines,
     read_surface,
+    set_face_names,
     set_frame_of_polydata,
     write_surface,
 )
 from SDFStentLib.geometry import vertex_normals
-from SDFStentLib.phantoms import stenosed_tube
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import branch_names, find_lesions
 
 MOVED = np.array([4, 17])
 
@@ -282,3 +284,46 @@ def test_deploying_keeps_arrays_ids_and_untouched_points_bit_by_bit(
         stored = (before.points + displacement) / 10
         # Half a unit in the last place of single precision at 16 cm.
         assert np.abs(stored - new).max() < 1e-6
+
+
+def told_of(artery, surface):
+    """The branches of lesions, and of the tree, by name."""
+    found = find_lesions(surface.surface, artery.centerline, surface.faces)
+    names = branch_names(surface.surface, artery.centerline, surface.faces)
+    return [lesion.branch_name for lesion in found], list(names)
+
+
+def test_faces_are_solids_in_an_stl_and_name_branches_from_there_as_from_a_vtp(tmp_path):
+    artery = branching_pulmonary_artery(edge_length=1.2)
+    points = artery.points.astype(np.float32)
+    cells = {"ModelFaceID": artery.face_ids, "age": np.arange(len(artery.triangles))}
+    polydata = polydata_from_arrays(points, artery.triangles, cell_arrays=cells)
+    set_face_names(polydata, artery.faces.names)
+    set_frame_of_polydata(polydata, "LPS")
+    (tmp_path / "a.vtp").write_bytes(encode_vtp(polydata))
+    native = read_surface(tmp_path / "a.vtp")
+    (said,) = write_surface(tmp_path / "a.stl", native, native.points)
+    assert str(said).endswith(".stl cannot keep the arrays age; write .vtp to keep them.")
+
+    solids = read_surface(tmp_path / "a.stl")
+    assert solids.frame == "LPS"
+    used = [native.faces.names[number] for number in native.faces.ids.tolist()]
+    assert [solids.faces.names[number] for number in solids.faces.ids.tolist()] == used
+    assert told_of(artery, solids) == told_of(artery, native)
+    # From there they go on into every format that has room for them, and back.
+    for suffix in (".stl", ".vtp", ".vtk"):
+        write_surface(tmp_path / f"again{suffix}", solids, solids.points)
+        again = read_surface(tmp_path / f"again{suffix}")
+        assert again.faces.names == solids.faces.names
+        assert np.array_equal(again.faces.ids, solids.faces.ids)
+        assert np.array_equal(again.points, solids.points)
+    (said,) = write_surface(tmp_path / "again.ply", solids, solids.points)
+    assert "ModelFaceNames" in str(said)
+    assert np.array_equal(read_surface(tmp_path / "again.ply").faces.ids, solids.faces.ids)
+
+
+def test_faces_without_names_are_no_solids(tmp_path):
+    surface = rich_surface(tmp_path)
+    (said,) = write_surface(tmp_path / "a.stl", surface, surface.points)
+    assert "ModelFaceID" in str(said)
+    assert not (tmp_path / "a.stl").read_bytes().startswith(b"solid")

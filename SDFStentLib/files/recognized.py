@@ -19,8 +19,13 @@ class Kind(NamedTuple):
     """With its article."""
     suffix: str = ""
     """Under which it would be read; empty where it would not."""
-    advice: str = ""
+    todo: str = "convert it"
     """What to do with one that is not read."""
+
+    @property
+    def advice(self) -> str:
+        """What to do where its name says something else."""
+        return f"name it {self.suffix}" if self.suffix else self.todo
 
 
 MODEL = (
@@ -34,16 +39,18 @@ _AS_STL = "save its surface as .stl"
 _BEGINNINGS: tuple[tuple[bytes, Kind], ...] = (
     (rb"# vtk DataFile", Kind("a legacy VTK file", ".vtk")),
     (rb"ply\r?\n", Kind("a PLY file", ".ply")),
-    (rb"\s*(ST)?(C|N|4|n)*OFF\b", Kind("an OFF file", ".off")),
+    (rb"\s*(ST|C|N|4|n)*OFF\b", Kind("an OFF file", ".off")),
     (rb"\s*solid\b", Kind("an STL file", ".stl")),
     (rb"(\s|#.*\n)*(v|vt|vn|o|g|mtllib|usemtl)[ \t]+\S.*\n", Kind("an OBJ file", ".obj")),
-    (rb"\x89HDF\r\n\x1a\n", Kind("an HDF5 file", ".vtkhdf")),
-    (rb"\$MeshFormat", Kind("a gmsh mesh", advice=_AS_STL)),
-    (rb"\s*MeshVersionFormatted", Kind("a Medit mesh", advice=_AS_STL)),
-    (rb"glTF", Kind("a glTF file", advice=_AS_STL)),
-    (rb"PK", Kind("a ZIP archive", advice=_UNPACK)),
-    (rb"\x1f\x8b", Kind("a compressed file", advice=_UNPACK)),
+    (rb"\x89HDF\r\n\x1a\n(?s:.*)VTKHDF", Kind("a VTKHDF file", ".vtkhdf")),
+    (rb"\x89HDF\r\n\x1a\n", Kind("an HDF5 file", todo=_EXTRACT)),
+    (rb"\$MeshFormat", Kind("a gmsh mesh", todo=_AS_STL)),
+    (rb"\s*MeshVersionFormatted", Kind("a Medit mesh", todo=_AS_STL)),
+    (rb"glTF", Kind("a glTF file", todo=_AS_STL)),
+    (rb"PK", Kind("a ZIP archive", todo=_UNPACK)),
+    (rb"\x1f\x8b", Kind("a compressed file", todo=_UNPACK)),
     (rb"\s*[\[{]", Kind("a JSON file")),
+    (rb"(<\?xml(?s:.*))?<Xdmf\b", Kind("an XDMF file", todo=_EXTRACT)),
     (rb"<\?xml", Kind("another XML file")),
 )
 
@@ -52,8 +59,8 @@ _XML = {
     "UnstructuredGrid": Kind("a VTK XML file", ".vtu"),
     "PPolyData": Kind("a VTK XML file in several pieces", ".pvtp"),
     "PUnstructuredGrid": Kind("a VTK XML file in several pieces", ".pvtu"),
-    "Collection": Kind("a list of files (.pvd)", advice="name one of them"),
-    "vtkMultiBlockDataSet": Kind("a list of blocks (.vtm)", advice="name one of its files"),
+    "Collection": Kind("a list of files (.pvd)", todo="name one of them"),
+    "vtkMultiBlockDataSet": Kind("a list of blocks (.vtm)", todo="name one of its files"),
 }
 _TYPE = re.compile(rb"<VTKFile\b[^>]*?(?:\btype\s*=\s*[\"']([A-Za-z]+)[\"']|>)")
 
@@ -75,7 +82,7 @@ def recognized(head: bytes) -> Kind | None:
     found = _TYPE.search(head)
     if found:
         kind = (found[1] or b"PolyData").decode()
-        return _XML.get(kind, Kind(f"VTK's {kind}", advice=_EXTRACT))
+        return _XML.get(kind, Kind(f"VTK's {kind}", todo=_EXTRACT))
     for pattern, known in _BEGINNINGS:
         if re.match(pattern, head):
             return known
@@ -83,12 +90,11 @@ def recognized(head: bytes) -> Kind | None:
 
 
 def in_words(head: bytes) -> str:
-    """The same for a message, with what to do."""
+    """The same for a message."""
     kind = recognized(head)
     if kind is None:
         return f"a file that begins with {head[:12]!r}"
-    advice = f"name it {kind.suffix}" if kind.suffix else kind.advice
-    return f"{kind.words} ({advice})" if advice else kind.words
+    return f"{kind.words} ({kind.advice})"
 
 
 def image_in(path: Path, head: bytes) -> str:

@@ -26,7 +26,7 @@ from .model_faces import ID_ARRAY, faces_of_polydata, names_beside, set_face_nam
 from .parallel import read_with_pieces
 from .plain import Decoder, decode_obj, decode_off, decode_ply, decode_stl
 from .polydata import add_arrays, polydata_from_polygons, surface_from_polydata
-from .recognized import HEAD, in_words, recognized
+from .recognized import HEAD, recognized
 from .same_space import size_warnings
 from .triangulation import triangulated_polydata
 
@@ -156,22 +156,21 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
 
 def _read_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None, tuple[Caution, ...]]:
     kind = recognized(content.data[:HEAD])
-    is_other = kind is not None and kind.suffix != content.suffix
     if content.suffix not in READ_SUFFIXES:
-        suffix = content.suffix or "no suffix"
-        told = f", {in_words(content.data[:HEAD])}" if kind else ""
+        found = f"{content.suffix or 'no suffix'!r}" + (f", {kind.words}" if kind else "")
+        advice = kind.advice if kind else "convert it"
         raise InputError(
-            f"{content.path}: expected a surface as {', '.join(READ_SUFFIXES)}, got {suffix!r}"
-            f"{told}; convert it."
+            f"{content.path}: expected a surface as {', '.join(READ_SUFFIXES)}, got {found}; "
+            f"{advice}."
         )
     try:
         return _decoded(content)
     except InputError as error:
-        if not is_other:
+        if kind is None or kind.suffix == content.suffix:
             raise
         # What is read well is what its name says, whatever its first bytes could be, too.
         raise InputError(
-            f"{content.path}: expected what its name says, got {in_words(content.data[:HEAD])}."
+            f"{content.path}: expected what its name says, got {kind.words}; {kind.advice}."
         ) from error
 
 

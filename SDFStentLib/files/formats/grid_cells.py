@@ -91,18 +91,22 @@ def _reordered(array: StoredArray, order: NDArray[np.int64]) -> StoredArray:
 
 
 def _check_kinds(types: NDArray[Any], name: str) -> None:
-    kinds, counts = np.unique(types, return_counts=True)
-    for kind, count in zip(kinds.tolist(), counts.tolist(), strict=True):
-        if kind in _VOLUMES:
-            raise InputError(
-                f"{name}: expected a surface of triangles, got a volume mesh of {count} "
-                f"{_VOLUMES[kind]}; extract its surface (ParaView: Extract Surface; pyvista: "
-                "extract_surface) and save that as .vtp."
-            )
-        if kind in _HIGHER:
-            raise InputError(
-                f"{name}: expected straight cells, got {count} {_HIGHER[kind]} of higher order; "
-                "save the mesh in first order."
-            )
-        if kind not in _PLAIN:
-            raise Damage(f"expected cells of a surface, got {count} of type {kind}")
+    kinds, counts = (found.tolist() for found in np.unique(types, return_counts=True))
+    # Those with a volume tell most, lines least: VTK's numbers rise with the dimension.
+    found = dict(zip(reversed(kinds), reversed(counts), strict=True))
+    volumes = [f"{found[kind]} {_VOLUMES[kind]}" for kind in found if kind in _VOLUMES]
+    if volumes:
+        raise InputError(
+            f"{name}: expected a surface of triangles, got a volume mesh of "
+            f"{' and '.join(volumes)}; extract its surface (ParaView: Extract Surface; pyvista: "
+            "extract_surface) and save that as .vtp."
+        )
+    curved = [f"{found[kind]} {_HIGHER[kind]}" for kind in found if kind in _HIGHER]
+    if curved:
+        raise InputError(
+            f"{name}: expected straight cells, got {' and '.join(curved)} of higher order; save "
+            "the mesh in first order."
+        )
+    others = [kind for kind in kinds if kind not in _PLAIN]
+    if others:
+        raise Damage(f"expected cells of a surface, got {found[others[0]]} of type {others[0]}")

@@ -34,7 +34,7 @@ from ..polydata import add_arrays, cell_array, frame_of_polydata, polydata_from_
 from .stored_polydata import ArrayGroup, StoredArray, StoredPolydata
 from .vtk_legacy import decode_legacy, title_of
 from .vtk_quiet import vtk_messages
-from .vtkhdf import by_vtk
+from .vtkhdf import decode_vtkhdf
 from .vtp import GRID, POLYDATA, decode_grid, decode_pieces, decode_vtp
 
 _ROLES = {
@@ -153,7 +153,7 @@ _DECODERS: dict[str, Callable[[FileContent], StoredPolydata]] = {
     ".vtu": lambda content: decode_grid(content.data, str(content.path)),
     ".pvtp": lambda content: decode_pieces(content.pieces, POLYDATA),
     ".pvtu": lambda content: decode_pieces(content.pieces, GRID),
-    ".vtkhdf": lambda content: by_vtk(content.path),
+    ".vtkhdf": decode_vtkhdf,
 }
 """VTK's formats of today; the legacy one has a title beside."""
 

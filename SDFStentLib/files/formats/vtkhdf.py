@@ -10,8 +10,12 @@ from tempfile import TemporaryDirectory
 
 from ...interpreter import interpreter
 from ...validation import InputError
+from ..content import FileContent
+from ..recognized import HEAD, MODEL, in_words
 from .stored_polydata import StoredPolydata, first_of_steps
 from .vtp import decode_grid, decode_vtp
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
 
 TIME_LIMIT = 300.0
 """s; 100 MB take about one."""
@@ -20,7 +24,7 @@ ANSWER, TOLD = "surface.xml", "told.json"
 """Files of the process: the surface as VTK's XML, and what it is."""
 
 
-def by_vtk(path: Path) -> StoredPolydata:
+def decode_vtkhdf(content: FileContent) -> StoredPolydata:
     """The surface of a VTKHDF file.
 
     Raises
@@ -28,10 +32,12 @@ def by_vtk(path: Path) -> StoredPolydata:
     InputError
         Damaged, cut short, other data than polydata or a grid that is a surface.
     """
-    name = str(path)
+    name = str(content.path)
+    if not content.data.startswith(_HDF5):
+        raise InputError(f"{name}: expected a VTKHDF file, got {in_words(content.data[:HEAD])}.")
     with TemporaryDirectory(prefix="sdfstent-") as folder:
         program = f"{__package__.rpartition('.')[0]}.vtkhdf_process"
-        command = [interpreter(), "-m", program, str(path.resolve()), folder]
+        command = [interpreter(), "-m", program, str(content.path.resolve()), folder]
         try:
             done = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT, check=False)
         except subprocess.TimeoutExpired as error:
@@ -43,10 +49,10 @@ def by_vtk(path: Path) -> StoredPolydata:
         if known["errors"]:
             raise _unread(name, known["errors"])
         if not answer.is_file():
-            raise InputError(
-                f"{name}: expected a surface, got {known['kind']}; extract its surface and save "
-                "that as .vtp."
-            )
+            is_image = known["kind"] == "vtkImageData"
+            advice = MODEL if is_image else "extract its surface and save that as .vtp"
+            kind = "an image" if is_image else known["kind"]
+            raise InputError(f"{name}: expected a surface, got {kind}; {advice}.")
         data = answer.read_bytes()
     decode = decode_grid if known["kind"] == "vtkUnstructuredGrid" else decode_vtp
     stored = decode(data, name)

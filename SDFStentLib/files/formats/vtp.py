@@ -102,7 +102,7 @@ class _Reader:
             raise Damage(f"expected one {self.kind}, got {len(bodies)}")
         times = bodies[0].attributes.get("TimeValues", "").split()
         if len(times) > 1:
-            bodies = [_first_step(bodies[0])]
+            bodies = [_first_step(bodies[0], len(times))]
         pieces = [self._piece(element) for element in bodies[0].all_of("Piece")]
         fields = [self._group(element, None) for element in bodies[0].all_of("FieldData")]
         if len(fields) > 1 or not pieces:
@@ -208,28 +208,28 @@ def _only(piece: Element, tag: str) -> Element | None:
     return found[0] if found else None
 
 
-def _first_step(body: Element) -> Element:
+def _first_step(body: Element, steps: int) -> Element:
     """Only what belongs to the first step of time.
 
-    Appended arrays stand in one piece, with the steps that each is of; others have a piece per
-    step, in which all arrays are of the same.
+    VTK writes appended arrays with the step of each into the same pieces. Into a file without
+    appended data it writes the pieces anew for every step, and calls all of them step 0.
     """
-    children = []
-    for element in body.children:
-        kept = _of_first_step(element) if element.tag == "Piece" else element
-        if kept is not None:
-            children.append(kept)
-    return replace(body, children=children)
+    pieces = list(body.all_of("Piece"))
+    arrays = [array for piece in pieces for section in piece.children for array in section.children]
+    if all(_is_first(array) for array in arrays):
+        kept = pieces[: len(pieces) // steps] if len(pieces) % steps == 0 else pieces
+    else:
+        kept = [_of_first_step(piece) for piece in pieces]
+    others = [element for element in body.children if element.tag != "Piece"]
+    return replace(body, children=[*others, *kept])
 
 
-def _of_first_step(piece: Element) -> Element | None:
+def _of_first_step(piece: Element) -> Element:
     sections = [
-        replace(section, children=[part for part in section.children if _is_first(part)])
+        replace(section, children=[array for array in section.children if _is_first(array)])
         for section in piece.children
     ]
-    had = any(section.children for section in piece.children)
-    has = any(section.children for section in sections)
-    return replace(piece, children=sections) if has or not had else None
+    return replace(piece, children=sections)
 
 
 def _is_first(array: Element) -> bool:

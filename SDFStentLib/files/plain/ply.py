@@ -57,11 +57,11 @@ def decode_ply(data: bytes, name: str) -> PlainMesh:
         points = points.astype(np.float64)
     if set(_NORMAL) <= set(vertex):
         vertex["Normals"] = np.stack([vertex.pop(axis) for axis in _NORMAL], axis=1)
-    offsets, corners = _lists(face)
+    offsets, corners = _lists(face, name)
     lost += _without_lists(face)
     cut: tuple[Caution, ...] = ()
     if strips:
-        strip_offsets, strip_corners = _lists(strips)
+        strip_offsets, strip_corners = _lists(strips, name)
         triangles, count = _cut_strips(strip_offsets, strip_corners)
         offsets = np.concatenate([offsets, offsets[-1] + 3 * np.arange(1, len(triangles) + 1)])
         corners = np.concatenate([corners, triangles.ravel()])
@@ -69,18 +69,20 @@ def decode_ply(data: bytes, name: str) -> PlainMesh:
         cut = (Caution("polygons-cut", counts, label=f"{name}: "),)
         lost += [*face, *_without_lists(strips), *strips]
         face = {}  # what is known of faces alone fits no triangle of a strip
-    lost += columns
+    lost += [key for key, values in columns.items() if values]
     warnings = (*cut, not_kept(lost, "PLY", name)) if lost else cut
     text = "\n".join(comments)
     return PlainMesh(points, offsets, corners, vertex, face, text=text, warnings=warnings)
 
 
-def _lists(element: dict[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _lists(element: dict[str, Any], name: str) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Offsets and corners of an element's polygons, taken out of it; none where it has none."""
     for key in ("vertex_indices", "vertex_index"):
         if isinstance(element.get(key), tuple):
             offsets, corners = element.pop(key)
-            return offsets, corners
+            if corners.dtype.kind == "f" and not (corners == np.rint(corners)).all():
+                raise InputError(f"{name}: expected point indices in its faces, got fractions.")
+            return offsets, corners.astype(np.int64)
     return np.zeros(1, np.int64), np.zeros(0, np.int64)
 
 

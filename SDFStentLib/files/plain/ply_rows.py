@@ -60,7 +60,7 @@ def _ascii_columns(element: Element, tokens: list[bytes], sizes: list[int]) -> A
             values = [numbers_in(b" ".join(part), listed.kind) for part in parts]
             corners = np.stack(values, axis=1) if values else np.zeros(0)
             offsets = size * np.arange(element.count + 1)
-            columns[listed.name] = (offsets, corners.ravel().astype(np.int64))
+            columns[listed.name] = (offsets, corners.ravel())
         else:
             columns[listed.name] = numbers_in(b" ".join(tokens[at:needed:row]), listed.kind)
         at += width
@@ -86,7 +86,7 @@ def _binary_columns(element: Element, body: memoryview, order: str, sizes: list[
             return None
         else:
             offsets = size * np.arange(element.count + 1)
-            columns[listed.name] = (offsets, values.ravel().astype(np.int64))
+            columns[listed.name] = (offsets, values.ravel())
     return columns, body[element.count * row.itemsize :]
 
 
@@ -122,7 +122,7 @@ def _read_rows(
         joined = np.concatenate(values[listed.name])
         if listed.count_kind:
             sizes = [len(part) for part in values[listed.name]]
-            columns[listed.name] = (offsets_of(sizes), joined.astype(np.int64))
+            columns[listed.name] = (offsets_of(sizes), joined)
         else:
             columns[listed.name] = joined.astype(listed.kind)
     return columns, body[at:]
