@@ -19,17 +19,11 @@ from ..units import millimeters_per
 from ..validation import InputError, Points, Triangles, as_path, as_points, check_is_a
 from .atomic import check_suffix, check_writable, write_bytes
 from .content import header_text
-<<<<<<< HEAD
-from .formats import encode_legacy, encode_obj, encode_ply, encode_stl, encode_vtp, fits_ply
-from .polydata import add_arrays, polygons_from_polydata, set_frame_of_polydata
-from .surface_files import SURFACE_SUFFIXES, SurfaceFile
-=======
 from .formats import encode_legacy, encode_vtp
 from .model_faces import ID_ARRAY, NAME_ARRAY
 from .plain import encode_obj, encode_ply, encode_solids, encode_stl, fits_ply
-from .polydata import add_arrays, set_frame_of_polydata
+from .polydata import add_arrays, polygons_from_polydata, set_frame_of_polydata
 from .surface_files import SurfaceFile
->>>>>>> bc49780 (ENH: Read grids of triangles, pieces, VTKHDF, OFF and strips, and name files for what they are)
 
 
 class _Encoded(NamedTuple):
@@ -151,32 +145,39 @@ def _encode(polydata: vtkPolyData, suffix: str, surface: SurfaceFile) -> _Encode
         return _Encoded(encode_ply(points, triangles, kept[0], kept[1], title), lost)
     lost += list(point_arrays) + list(cell_arrays)
     if suffix == ".obj":
-<<<<<<< HEAD
         return _Encoded(encode_obj(points, triangles, title), lost)
-=======
-        return _Encoded(encode_obj(points, surface.triangles, title), lost)
-    return _encode_stl(points, surface, cell_arrays, lost, title)
+    mesh = points, triangles
+    return _encode_solids(*mesh, surface, cell_arrays, lost) or _encode_stl(
+        *mesh, cell_arrays.get("Attribute"), lost, title
+    )
+
+
+def _encode_solids(
+    points: Points,
+    triangles: Triangles,
+    surface: SurfaceFile,
+    cell_arrays: dict[str, NDArray[Any]],
+    lost: list[str],
+) -> _Encoded | None:
+    """STL with a solid for each face of the model where these are known by name, or came so."""
+    faces, ids = surface.faces, cell_arrays.get(ID_ARRAY)
+    came_so = surface.path.suffix.lower() == ".stl"
+    if faces is None or ids is None or np.ptp(ids) == 0 or not (faces.names or came_so):
+        return None
+    tag = f"SPACE={surface.frame}" if surface.frame else ""
+    data = encode_solids(points, triangles, ids, faces.names, tag)
+    return _Encoded(data, [name for name in lost if name not in (ID_ARRAY, NAME_ARRAY)])
 
 
 def _encode_stl(
     points: Points,
-    surface: SurfaceFile,
-    cell_arrays: dict[str, NDArray[Any]],
+    triangles: Triangles,
+    attribute: NDArray[Any] | None,
     lost: list[str],
     title: str,
 ) -> _Encoded:
-    """Solids in ASCII where the faces of the model are known by name or came so, else binary."""
-    faces = surface.faces
-    came_so = surface.path.suffix.lower() == ".stl"
-    if faces is not None and np.ptp(faces.ids) > 0 and (faces.names or came_so):
-        lost = [name for name in lost if name not in (ID_ARRAY, NAME_ARRAY)]
-        tag = f"SPACE={surface.frame}" if surface.frame else ""
-        data = encode_solids(points, surface.triangles, faces.ids, faces.names, tag)
-        return _Encoded(data, lost)
->>>>>>> bc49780 (ENH: Read grids of triangles, pieces, VTKHDF, OFF and strips, and name files for what they are)
-    attribute = cell_arrays.get("Attribute")
     if attribute is not None and attribute.dtype == np.uint16:
-        lost.remove("Attribute")
+        lost = [name for name in lost if name != "Attribute"]
     else:
         attribute = None
     return _Encoded(encode_stl(points, triangles, attribute, title), lost)
