@@ -45,7 +45,8 @@ USES = {
     "treatment": "geometry centerline certificate flow lumen stent deformation vessel segment",
     "plan": "geometry files flow stent deformation treatment vessel",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
-    "report": "geometry lumen stent files treatment vessel segment flow plan simulation",
+    "report": "geometry certificate lumen stent files treatment vessel segment flow plan "
+    "simulation",
     "cohort": "geometry centerline flow stent files treatment vessel plan report",
     "cli": "files stent phantoms vessel flow treatment plan simulation report cohort",
 }

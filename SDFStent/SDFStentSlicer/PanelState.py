@@ -7,7 +7,13 @@ import slicer
 from slicer.i18n import tr as _
 from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
 
-from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
+from SDFStentLib.certificate import (
+    CERTIFIED,
+    CERTIFIED_IN_PIECES,
+    CERTIFIED_OPEN,
+    NOT_CERTIFIED,
+    NOT_READY,
+)
 from SDFStentLib.validation import one_line, printable
 
 from . import Charts, Conversion, Flow, Outputs, Showing, Sizes, Tiles
@@ -77,6 +83,11 @@ SAID_MS = 10_000
 """So long the application's status bar shows what the panel says below *Deploy*."""
 
 PENDING, GOOD, BAD = "pending", "good", "bad"
+KINDS = {
+    **dict.fromkeys((CERTIFIED, CERTIFIED_IN_PIECES, CERTIFIED_OPEN), GOOD),
+    **dict.fromkeys((NOT_READY, NOT_CERTIFIED), BAD),
+}
+"""By the last line of what stands beside a stent."""
 COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72, 0.45)}
 """On `BACKGROUND`, which lets them be read on any view. What a color says stands in the last line, too."""
 BACKGROUND = (0.08, 0.10, 0.13)
@@ -95,7 +106,7 @@ class AtHand:
         lines = text.split("\n")
         if text and instead:
             lines[-1] = instead
-        kind = {CERTIFIED: GOOD, NOT_CERTIFIED: BAD}.get(lines[-1], PENDING)
+        kind = KINDS.get(lines[-1], PENDING)
         self.text, self.kind = "\n".join(lines), kind
         self.write()
 

@@ -137,7 +137,9 @@ def showMeasured(parameterNode, run):
         showProfile(parameterNode, run)
         showSummary(parameterNode, run)
         parameterNode.certificateSummary = (
-            run.result.certificate.sentence() if run.result.certificate else f"{NOT_CERTIFIED}."
+            run.result.certificate.sentence()
+            if run.result.certificate
+            else f"Surface {NOT_CERTIFIED}."
         )
         told = filter(None, (run.remark, *(caution.sentence() for caution in _cautions(run))))
         parameterNode.warningSummary = "\n".join(
@@ -151,11 +153,6 @@ def _cautions(run):
     return [*result.warnings, *size_cautions(result.stents, run.lesions, run.label)]
 
 
-def isCertified(result):
-    """Whether a surface may be meshed as it is."""
-    return result.certificate is not None and result.certificate.passed
-
-
 def showSummary(parameterNode, run):
     """What there is to say of every stent, and of the flow where that is known."""
     summaries = [stentSummary(treated, run.lesions) for treated in run.result.stents]
@@ -164,7 +161,7 @@ def showSummary(parameterNode, run):
     parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *_flowParagraphs(run)])
     showAtHand(parameterNode, run)
     tiles = result_tiles(
-        run.result.stents, run.lesions, isCertified(run.result), _cautions(run), _flowOf(run)
+        run.result.stents, run.lesions, run.result.certificate, _cautions(run), _flowOf(run)
     )
     parameterNode.tiles = json.dumps(tiles)
 
@@ -177,7 +174,7 @@ def showAtHand(parameterNode, run):
     """The few lines beside the selected stent."""
     stents = run.result.stents
     chosen = stents[selectedStent(parameterNode, run)]
-    lines = measured_lines(chosen, stents, run.lesions, isCertified(run.result), _flowOf(run))
+    lines = measured_lines(chosen, stents, run.lesions, run.result.certificate, _flowOf(run))
     parameterNode.atHand = "\n".join(lines)
 
 

@@ -1,7 +1,8 @@
-"""Proof that a deployment left a surface as sound as it was.
+"""Proof that a deployment left a surface sound.
 
-`certify` compares a surface before and after, only where it moved, in the numbers that the written
-file will hold. It has to come last, after everything that moves a point.
+`certify` compares a surface before and after, where it moved, in the numbers that the written file
+will hold: it is no worse. What never was fit for a mesher is not certified either. It has to come
+last, after everything that moves a point.
 """
 
 from __future__ import annotations
@@ -17,15 +18,19 @@ from ..geometry import Precision, Surface, Topology, as_surface, state_of
 from ..validation import Indices, InputError, read_only
 from .comparison import Comparison, Verdict
 from .face_quality import Slivers
+from .fitness import Fitness, fitness_after
 from .promises import LumenCheck, MotionCheck, lumen_in_words
-from .spots import Spot, count_in_words, faults_in_words
+from .spots import Spot, faults_in_words
 
 AS_FLOAT32 = Precision(np.float32)
 """What most files hold."""
 
-CERTIFIED = "Surface certified for meshing"
-NOT_CERTIFIED = "Surface not certified for meshing"
-"""What a certificate is called wherever it is told: it says nothing of the treatment."""
+CERTIFIED = "certified for meshing"
+CERTIFIED_OPEN = "certified for meshing once its openings are closed"
+CERTIFIED_IN_PIECES = "certified for meshing once its points are merged"
+NOT_READY = "no worse than before, not ready for a mesher"
+NOT_CERTIFIED = "not certified for meshing"
+"""What a surface is called wherever its certificate is told: it says nothing of the treatment."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +39,8 @@ class Certificate:
 
     Attributes
     ----------
-    topology : Topology
-        That of the input, which a deployment cannot change.
+    fitness : Fitness
+        What the result is, whoever made it so; the topology a deployment cannot change.
     moved_points : int
         Number of points whose stored coordinates changed.
     self_intersecting_before, self_intersecting_after, new_self_intersecting
@@ -52,7 +57,7 @@ class Certificate:
         settings promise no lumen: without `finish` or `facet_compensation`, as published.
     """
 
-    topology: Topology
+    fitness: Fitness
     moved_points: int
     self_intersecting_before: Indices
     self_intersecting_after: Indices
@@ -66,8 +71,29 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """No new fault of any kind; an open or faulty input passes when nothing got worse."""
+        """Certified: no new fault of any kind, nor one that the input had; it may be open."""
+        return self.is_no_worse and self.fitness.is_fit
+
+    @property
+    def is_no_worse(self) -> bool:
+        """No new fault of any kind; a faulty input may have left its own."""
         return not self.places and all(check.passed for check in self._checks)
+
+    @property
+    def word(self) -> str:
+        """What the surface is called: one of those above."""
+        if not self.is_no_worse:
+            return NOT_CERTIFIED
+        if not self.passed:
+            return NOT_READY
+        if not self.topology.is_closed:
+            return CERTIFIED_OPEN
+        return CERTIFIED_IN_PIECES if self.topology.unshared_points else CERTIFIED
+
+    @property
+    def topology(self) -> Topology:
+        """That of the input."""
+        return self.fitness.topology
 
     @property
     def is_watertight(self) -> bool:
@@ -84,15 +110,16 @@ class Certificate:
 
         Places are told in mm and in the unit of its file.
         """
-        if not self.passed:
-            return f"{NOT_CERTIFIED}: it has {'; '.join(self._faults(units))}."
-        shape = self.topology.in_words()
-        old = len(self.self_intersecting_after)
-        kept = f"; {count_in_words(old)} intersected already in the input" if old else ""
-        if self.topology.is_orientable and not self.topology.is_consistently_wound:
-            kept += "; triangles are wound against their neighbors, as they were"
+        if not self.is_no_worse:
+            faults = [*self._faults(units), *self.fitness.lasting_in_words()]
+            return f"Surface {self.word}: it has {'; '.join(faults)}."
         wide = f"; {lumen_in_words(self.lumen, units)}" if self.lumen else ""
-        return f"{CERTIFIED}: it is {shape}, as it was, and has no new fault{kept}{wide}."
+        if not self.passed:
+            found = f"it {self.fitness.in_words(units)}, as before"
+            return f"Surface {self.word}: {found}; repair the input before meshing{wide}."
+        shape = self.topology.in_words()
+        inward = "; its triangles face inward, as they did" if self.fitness.is_inside_out else ""
+        return f"Surface {self.word}: it is {shape}, as it was, and has no new fault{inward}{wide}."
 
     def cautions(self) -> tuple[Caution, ...]:
         """What is no fault, but has to be known before meshing."""
@@ -120,7 +147,11 @@ class Certificate:
         """The `certificate` part of a report; what is known to the writer only is added there."""
         return {
             "passed": self.passed,
+            "word": self.word,
             "sentence": self.sentence(units),
+            "no_worse_than_before": self.is_no_worse,
+            "ready_for_meshing": not self.fitness.missing,
+            "missing_for_meshing": self.fitness.missing,
             "watertight": self.is_watertight,
             "manifold": self.is_manifold,
             "orientable": self.topology.is_orientable,
@@ -173,20 +204,22 @@ def certify(
     comparison = Comparison(whole.points, whole.wound_triangles, precision)
     may_move = _mask(moved, len(before.points))
     verdict = comparison.verdict(after.points, may_move=may_move)
-    return certificate_of(verdict, comparison.new_slivers(verdict), whole)
+    fitness = fitness_after(before, after, verdict, precision)
+    return certificate_of(verdict, comparison.new_slivers(verdict), whole, fitness)
 
 
 def certificate_of(
     verdict: Verdict,
     new_slivers: Slivers,
     surface: Surface,
+    fitness: Fitness,
     motion: tuple[MotionCheck, ...] = (),
     lumen: tuple[LumenCheck, ...] = (),
 ) -> Certificate:
     """The certificate of a result that was compared with its input, a surface."""
     given = surface.given_numbers
     return Certificate(
-        topology=surface.topology,
+        fitness=fitness,
         moved_points=int(np.count_nonzero(verdict.has_moved)),
         self_intersecting_before=read_only(given(np.unique(verdict.pairs_before))),
         self_intersecting_after=read_only(given(np.unique(verdict.pairs))),

@@ -73,7 +73,8 @@ def faults_in_words(spots: Sequence[Spot], units: str, *counted: tuple[int, str]
 def winding_in_words(flipped: int, is_inside_out: bool) -> str:
     """What is wrong with the winding of triangles, as the end of a sentence."""
     if flipped:
-        return f", and {flipped} of its triangles are wound against their neighbors"
+        verb = "is" if flipped == 1 else "are"
+        return f", and {flipped} of its triangles {verb} wound against their neighbors"
     return ", and it is inside out: its triangles must be turned" if is_inside_out else ""
 
 

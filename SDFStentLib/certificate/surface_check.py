@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..cautions import Caution
-from ..geometry import Precision, Surface, Topology, as_surface, signed_volume
+from ..geometry import Precision, Surface, Topology, as_surface
 from ..validation import Indices, read_only
-from .face_quality import Slivers, degenerate_triangles, inverted_triangles, slivers_among
-from .intersections import intersecting_pairs
-from .spots import Spot, faults_in_words, spots_of, winding_in_words
+from .face_quality import Slivers, degenerate_triangles, slivers_among
+from .fitness import Fitness, fitness_of
+from .spots import Spot
 
 
 @dataclass(frozen=True)
@@ -21,29 +21,19 @@ class SurfaceCheck:
 
     Attributes
     ----------
-    topology : Topology
-        Closed, manifold, consistently wound, two-sided, boundary edges, connected parts.
-    is_outward : bool
-        Closed, consistently wound, and its volume is positive.
-    inverted_triangles, degenerate_triangles, self_intersecting_triangles
-        Ascending indices: turned over against the neighbourhood; without height; crossing,
-        touching or covering another triangle.
+    fitness : Fitness
+        Closed, manifold, consistently wound, two-sided, and faces with a fault.
     slivers : Slivers
         Others with an angle below 1 degree, which is no fault.
-    places : tuple of Spot
-        Where triangles of the first three kinds gather, most of them first.
-    flipped_triangles : array
-        Ascending indices of those wound against their neighbors, the fewer of each part.
     """
 
-    topology: Topology
-    is_outward: bool
-    inverted_triangles: Indices
-    degenerate_triangles: Indices
+    fitness: Fitness
     slivers: Slivers
-    self_intersecting_triangles: Indices
-    places: tuple[Spot, ...]
-    flipped_triangles: Indices
+
+    @property
+    def topology(self) -> Topology:
+        """Closed, manifold, consistently wound, two-sided, boundary edges, connected parts."""
+        return self.fitness.topology
 
     @property
     def is_watertight(self) -> bool:
@@ -56,29 +46,48 @@ class SurfaceCheck:
         return self.topology.is_manifold
 
     @property
-    def passed(self) -> bool:
-        """Manifold, two-sided, outward where closed, no fault; one open or with slivers passes."""
-        faults = self.places or self.flipped_triangles.size or self.is_inside_out
-        return self.is_manifold and self.topology.is_orientable and not faults
+    def is_outward(self) -> bool:
+        """Closed, consistently wound, and its volume is positive."""
+        return self.topology.is_oriented and not self.is_inside_out
 
     @property
     def is_inside_out(self) -> bool:
         """Closed and consistently wound, with its faces to the inside."""
-        return self.topology.is_oriented and not self.is_outward
+        return self.fitness.is_inside_out
+
+    @property
+    def inverted_triangles(self) -> Indices:
+        """Ascending: turned over against the neighborhood."""
+        return read_only(self.fitness.faults.inverted)
+
+    @property
+    def degenerate_triangles(self) -> Indices:
+        """Ascending: without height."""
+        return read_only(self.fitness.faults.degenerate)
+
+    @property
+    def self_intersecting_triangles(self) -> Indices:
+        """Ascending: crossing, touching or covering another triangle."""
+        return read_only(self.fitness.faults.intersecting)
+
+    @property
+    def places(self) -> tuple[Spot, ...]:
+        """Where triangles of these three kinds gather, most of them first."""
+        return self.fitness.places
+
+    @property
+    def flipped_triangles(self) -> Indices:
+        """Ascending: those wound against their neighbors, the fewer of each part."""
+        return read_only(self.fitness.flipped_triangles)
+
+    @property
+    def passed(self) -> bool:
+        """Manifold, two-sided, outward where closed, no fault; one open or with slivers passes."""
+        return self.fitness.is_sound
 
     def sentence(self, units: str = "mm") -> str:
         """The finding in one sentence; places are told in the unit of the file, too."""
-        faults = "no self-intersection"
-        if self.places:
-            faults = faults_in_words(
-                self.places,
-                units,
-                (len(self.self_intersecting_triangles), "intersecting"),
-                (len(self.inverted_triangles), "turned over"),
-                (len(self.degenerate_triangles), "without height"),
-            )
-        faults += winding_in_words(len(self.flipped_triangles), self.is_inside_out)
-        return f"The surface is {self.topology.in_words()} and has {faults}."
+        return f"The surface {self.fitness.in_words(units)}."
 
     def cautions(self) -> tuple[Caution, ...]:
         """What is no fault, but has to be known before meshing."""
@@ -119,26 +128,10 @@ def check_surface(surface: Surface, *, precision: Precision | None = None) -> Su
     InputError
         No surface, or coordinates that are too large for the type.
     """
-    surface = as_surface(surface).whole
-    points, triangles, given = surface.points, surface.triangles, surface.given_numbers
-    precision = precision or Precision()
-    wound, stored = surface.wound_triangles, precision.stored(points)
-    topology = surface.topology
-
-    pairs = intersecting_pairs(stored, triangles)
-    intersecting = np.unique(pairs)
-    inverted = inverted_triangles(stored, wound)
-    degenerate = degenerate_triangles(stored, triangles)
-    others = np.setdiff1d(np.arange(len(triangles)), degenerate)
-    faults = np.r_[intersecting, inverted, degenerate]
-    slivers = slivers_among(stored / precision.scale, triangles, others)
-    return SurfaceCheck(
-        topology=topology,
-        is_outward=topology.is_oriented and signed_volume(stored, triangles) > 0,
-        inverted_triangles=read_only(given(inverted)),
-        degenerate_triangles=read_only(given(degenerate)),
-        slivers=slivers._replace(triangles=given(slivers.triangles)),
-        self_intersecting_triangles=read_only(given(intersecting)),
-        places=tuple(spots_of(points, triangles, faults, pairs)),
-        flipped_triangles=read_only(given(np.flatnonzero((wound != triangles).any(axis=1)))),
-    )
+    surface, precision = as_surface(surface).whole, precision or Precision()
+    points, triangles = precision.stored(surface.points), surface.triangles
+    others = np.setdiff1d(np.arange(len(triangles)), degenerate_triangles(points, triangles))
+    slivers = slivers_among(points / precision.scale, triangles, others)
+    fitness = fitness_of(surface, precision)
+    given = surface.given_numbers(slivers.triangles)
+    return SurfaceCheck(fitness, slivers._replace(triangles=given))

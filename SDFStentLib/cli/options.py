@@ -64,7 +64,7 @@ def parser() -> Parser:
         description="Virtual stenting of vessel surfaces. Sizes in mm; points in the unit and "
         "frame of the files. Research use only, not a medical device.",
         epilog="Exit codes: 0 done and certified; 1 unexpected error; 2 bad input, nothing "
-        "written; 3 done, but the certificate fails; 130 interrupted, nothing written.",
+        "written; 3 done, but not certified; 130 interrupted, nothing written.",
         allow_abbrev=False,
     )
     top.add_argument("--version", action="version", version=f"sdfstent {VERSION}")

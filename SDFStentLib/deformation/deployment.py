@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..certificate import Comparison, Verdict, certificate_of
+from ..certificate import Comparison, Verdict, certificate_of, fitness_after
 from ..field import CapsuleChain
 from ..geometry import Surface
 from .attempt import Attempt
@@ -106,7 +106,8 @@ class Deployment(DeploymentTask):
                 comparison = Comparison(whole.points, whole.wound_triangles, self.precision)
                 verdict = comparison.verdict(after.points)
             slivers = comparison.new_slivers(verdict)
-            certificate = certificate_of(verdict, slivers, whole, (motion,), lumen)
+            fitness = fitness_after(self.surface, after, verdict, self.precision)
+            certificate = certificate_of(verdict, slivers, whole, fitness, (motion,), lumen)
         return DeploymentResult(
             state=state,
             surface=after,

@@ -21,9 +21,7 @@ from .flow import flow_moments as flow_moments
 from .flow import flow_section as flow_section
 from .flow import flow_sentences as flow_sentences
 from .flow import stents_in as stents_in
-from .glance import CERTIFIED as CERTIFIED
 from .glance import COMPARED as COMPARED
-from .glance import NOT_CERTIFIED as NOT_CERTIFIED
 from .glance import Tile as Tile
 from .glance import measured_lines as measured_lines
 from .glance import measuring_lines as measuring_lines

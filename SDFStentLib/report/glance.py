@@ -9,6 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cautions import GRAVEST, Caution
+from ..certificate import (
+    CERTIFIED,
+    CERTIFIED_IN_PIECES,
+    CERTIFIED_OPEN,
+    NOT_CERTIFIED,
+    NOT_READY,
+    Certificate,
+)
 from ..treatment import (
     PlacedStent,
     PreviewedNumbers,
@@ -24,13 +32,18 @@ from .words import degree_word, number_text
 
 PREVIEW, MEASURING = "preview", "measuring..."
 UNCOVERED = "no lesion covered"
-CERTIFIED, NOT_CERTIFIED = "certified for meshing", "not certified"
-"""What the last of the lines says."""
-
 MOST_LINES = 6
 
 WARNINGS = "Warnings"
 LUMEN, STENOSIS, BRANCHES, SURFACE = "Narrowest lumen", "Stenosis left", "Branches", "Surface"
+_OF_SURFACE = {
+    CERTIFIED: ("meshable", ""),
+    CERTIFIED_OPEN: ("meshable", "once its openings are closed"),
+    CERTIFIED_IN_PIECES: ("meshable", "once its points are merged"),
+    NOT_READY: ("not ready for a mesher", "no worse than before"),
+    NOT_CERTIFIED: ("not certified", ""),
+}
+"""Its tile, by the word of the certificate."""
 COMPARED = (LUMEN, STENOSIS, BRANCHES, SURFACE)
 """The tiles that every result has: what differs between plans."""
 
@@ -81,10 +94,10 @@ def measured_lines(
     treated: TreatedStent,
     stents: Sequence[TreatedStent],
     lesions: Sequence[TreatedLesion] | None,
-    is_certified: bool,
+    certificate: Certificate | None,
     flow: Mapping[str, Any] | None = None,
 ) -> list[str]:
-    """Of a stent after its deployment, at most `MOST_LINES`; the last says whether it is certified.
+    """Of a stent after its deployment, at most `MOST_LINES`; the last is the certificate's word.
 
     Parameters
     ----------
@@ -94,8 +107,8 @@ def measured_lines(
         and all of the treatment.
     lesions : sequence of TreatedLesion or None
         Of the vessel; None where none were looked for.
-    is_certified : bool
-        Whether the surface with all stents is.
+    certificate : Certificate or None
+        Of the surface with all stents; None where none was asked for.
     flow : mapping, optional
         `flow_section` before and after treatment.
     """
@@ -109,7 +122,11 @@ def measured_lines(
         _contact(treated),
     ]
     told = [line for line in told if line][: MOST_LINES - 1]
-    return [*told, CERTIFIED if is_certified else NOT_CERTIFIED]
+    return [*told, _word(certificate)]
+
+
+def _word(certificate: Certificate | None) -> str:
+    return NOT_CERTIFIED if certificate is None else certificate.word
 
 
 def _size(placed: PlacedStent) -> str:
@@ -187,7 +204,7 @@ def previewed_tiles(numbers: Sequence[PreviewedNumbers]) -> list[Tile]:
 def result_tiles(
     stents: Sequence[TreatedStent],
     lesions: Sequence[TreatedLesion] | None,
-    is_certified: bool,
+    certificate: Certificate | None,
     cautions: Sequence[Caution] = (),
     flow: Mapping[str, Any] | None = None,
 ) -> list[Tile]:
@@ -199,8 +216,8 @@ def result_tiles(
         At least one.
     lesions : sequence of TreatedLesion or None
         Of the vessel; None where none were looked for.
-    is_certified : bool
-        Whether the surface is.
+    certificate : Certificate or None
+        Of the surface; None where none was asked for.
     cautions : sequence of Caution
         All that there are.
     flow : mapping, optional
@@ -213,9 +230,14 @@ def result_tiles(
         _beside(stents),
         *_touching(stents),
         *([] if flow is None else _flowing(flow, [one.number for one in stents])),
-        Tile(SURFACE, "meshable" if is_certified else NOT_CERTIFIED, "", not is_certified),
+        _surface(certificate),
     ]
     return sorted(tiles, key=lambda tile: not tile.is_caution)
+
+
+def _surface(certificate: Certificate | None) -> Tile:
+    is_certified = certificate is not None and certificate.passed
+    return Tile(SURFACE, *_OF_SURFACE[_word(certificate)], not is_certified)
 
 
 def _warnings(cautions: Sequence[Caution]) -> Iterator[Tile]:

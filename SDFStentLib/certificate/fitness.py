@@ -1,0 +1,175 @@
+"""Whether a surface is ready for a mesher as it is, and what of it was not so already."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ..geometry import Precision, Surface, Topology, faces_at, signed_volume
+from ..validation import Indices, Points
+from .comparison import Verdict
+from .face_quality import degenerate_triangles, inverted_triangles
+from .intersections import intersecting_pairs
+from .spots import Spot, faults_in_words, spots_of, winding_in_words
+
+
+class FaceFaults(NamedTuple):
+    """Faces of a surface with which no mesher can do anything.
+
+    Attributes
+    ----------
+    pairs : (k, 2) array
+        Faces that intersect.
+    inverted, degenerate : arrays
+        Ascending: turned over against the faces around; without height.
+    """
+
+    pairs: Indices
+    inverted: Indices
+    degenerate: Indices
+
+    @property
+    def intersecting(self) -> Indices:
+        """Faces that intersect another, ascending."""
+        return np.unique(self.pairs)
+
+    @property
+    def faces(self) -> Indices:
+        """All of them; one with several faults stands there as often."""
+        return np.concatenate([self.intersecting, self.inverted, self.degenerate])
+
+
+@dataclass(frozen=True)
+class Fitness:
+    """What a surface is, whoever made it so.
+
+    Attributes
+    ----------
+    topology : Topology
+    faults : FaceFaults
+    places : tuple of Spot
+        Where faces with a fault gather, most of them first.
+    flipped_triangles : array
+        Ascending: those wound against their neighbors, the fewer of each part.
+    is_inside_out : bool
+        Closed and consistently wound, with its faces to the inside.
+    """
+
+    topology: Topology
+    faults: FaceFaults
+    places: tuple[Spot, ...]
+    flipped_triangles: Indices
+    is_inside_out: bool
+
+    @property
+    def is_fit(self) -> bool:
+        """Manifold, two-sided, wound one way, without a fault: for a mesher, once it is closed and
+        points of seams are merged."""
+        faults = self.places or len(self.flipped_triangles)
+        return self.topology.is_manifold and self.topology.is_orientable and not faults
+
+    @property
+    def is_sound(self) -> bool:
+        """The same, and outward where it is closed."""
+        return self.is_fit and not self.is_inside_out
+
+    @property
+    def missing(self) -> list[str]:
+        """What a mesher of volumes asks for that it is not, in a word or two each."""
+        shape, faults = self.topology, self.faults
+        found = {
+            "closed": shape.is_closed,
+            "merged at its seams": not shape.unshared_points,
+            "manifold": shape.is_manifold,
+            "two-sided": shape.is_orientable,
+            "wound one way": not len(self.flipped_triangles),
+            "free of self-intersections": not len(faults.pairs),
+            "free of triangles turned over": not len(faults.inverted),
+            "free of triangles without height": not len(faults.degenerate),
+        }
+        return [name for name, is_so in found.items() if not is_so]
+
+    def in_words(self, units: str = "mm") -> str:
+        """What it is and what it has, to follow "it"."""
+        told = "no self-intersection"
+        if self.places:
+            told = faults_in_words(
+                self.places,
+                units,
+                (len(self.faults.intersecting), "intersecting"),
+                (len(self.faults.inverted), "turned over"),
+                (len(self.faults.degenerate), "without height"),
+            )
+        told += winding_in_words(len(self.flipped_triangles), self.is_inside_out)
+        return f"is {self.topology.in_words()} and has {told}"
+
+    def lasting_in_words(self) -> list[str]:
+        """What no motion changes and keeps it from being meshed, as a sentence's last part."""
+        shape, turned = self.topology, len(self.flipped_triangles)
+        if shape.is_manifold and shape.is_orientable and not turned:
+            return []
+        winding = winding_in_words(turned, is_inside_out=False)
+        return [f"it is {shape.in_words()}{winding}, as before"]
+
+
+def fitness_of(surface: Surface, precision: Precision) -> Fitness:
+    """Of a surface as it would be stored, all that is `whole` of it."""
+    surface = surface.whole
+    stored = precision.stored(surface.points)
+    return _fitness(surface, stored, _faults(surface, stored))
+
+
+def fitness_after(
+    before: Surface, after: Surface, verdict: Verdict, precision: Precision
+) -> Fitness:
+    """Of a result that a comparison has judged: what did not move is known from the input.
+
+    Parameters
+    ----------
+    before, after : Surface
+    verdict : Verdict
+    precision : Precision
+        Of the comparison.
+    """
+    known, whole = _known_faults(before, precision), after.whole
+    at_rest = ~faces_at(verdict.has_moved, whole.triangles)
+    faults = FaceFaults(
+        np.concatenate([known.pairs[at_rest[known.pairs].all(axis=1)], verdict.pairs]),
+        np.union1d(known.inverted[at_rest[known.inverted]], verdict.inverted),
+        np.union1d(known.degenerate[at_rest[known.degenerate]], verdict.degenerate),
+    )
+    return _fitness(whole, verdict.stored, faults)
+
+
+_inputs: WeakKeyDictionary[Surface, dict[Precision, FaceFaults]] = WeakKeyDictionary()
+"""A vessel into which one stent after another is put is looked through once."""
+
+
+def _known_faults(surface: Surface, precision: Precision) -> FaceFaults:
+    known = _inputs.setdefault(surface, {})
+    if precision not in known:
+        known[precision] = _faults(surface.whole, precision.stored(surface.points))
+    return known[precision]
+
+
+def _faults(surface: Surface, stored: Points) -> FaceFaults:
+    return FaceFaults(
+        intersecting_pairs(stored, surface.triangles),
+        inverted_triangles(stored, surface.wound_triangles),
+        degenerate_triangles(stored, surface.triangles),
+    )
+
+
+def _fitness(surface: Surface, stored: Points, faults: FaceFaults) -> Fitness:
+    topology, triangles = surface.topology, surface.triangles
+    flipped = np.empty(0, dtype=np.int64)
+    if not topology.is_consistently_wound:
+        flipped = np.flatnonzero((surface.wound_triangles != triangles).any(axis=1))
+    is_inside_out = topology.is_oriented and not signed_volume(stored, triangles) > 0
+    places = tuple(spots_of(surface.points, triangles, faults.faces, faults.pairs))
+    given = surface.given_numbers
+    named = FaceFaults(*(given(numbers) for numbers in faults))
+    return Fitness(topology, named, places, given(flipped), is_inside_out)
