@@ -11,9 +11,10 @@ import slicer
 from vtkmodules.vtkCommonCore import vtkPoints
 
 from SDFStentLib.files import (
+    ID_ARRAY,
+    NAME_ARRAY,
     VTK_LINE_SUFFIXES,
     SurfaceFile,
-    faces_of_polydata,
     read_lines,
     set_face_names,
 )
@@ -148,14 +149,14 @@ def open_plan(scene: Any, path: Path, folders: Folders | None) -> Opened:
 
 
 def _model(scene: Any, path: Path, units: str, surface: SurfaceFile | None = None) -> Any:
-    """A model as Slicer reads it; a `surface` of a format or with faces that Slicer does not know as it was read."""
+    """A model as Slicer reads it; the `surface` in the same file adds what Slicer does not read."""
     node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(path.stem))
     storage = scene.AddNewNodeByClass("vtkMRMLModelStorageNode")
     node.SetAndObserveStorageNodeID(storage.GetID())
     storage.SetFileName(str(path))
     isRead = path.suffix.lower() in (*WRITTEN_SUFFIXES, *CENTERLINES) and storage.ReadData(node)
-    if surface is not None and not (isRead and _hasAll(node, surface)):
-        _fill(node, storage, surface)
+    if surface is not None:
+        _complete(node, storage, surface, isRead)
     elif not isRead:
         scene.RemoveNode(node)
         raise InputError(
@@ -169,32 +170,41 @@ def _model(scene: Any, path: Path, units: str, surface: SurfaceFile | None = Non
     return node
 
 
-def _hasAll(node: Any, surface: SurfaceFile) -> bool:
-    """Whether Slicer has read a surface, and to which faces of the model its triangles belong."""
-    polyData = node.GetPolyData()
-    return polyData is not None and (
-        surface.faces is None or faces_of_polydata(polyData) is not None
+def _complete(node: Any, storage: Any, surface: SurfaceFile, isRead: bool) -> None:
+    """Let a model be a surface as it was read, where Slicer has read none, or not its faces or their names."""
+    from SDFStentSlicer import Conversion
+
+    faces, polyData = surface.faces, node.GetPolyData() if isRead else None
+    hasFaces = polyData is not None and (faces is None or polyData.GetCellData().HasArray(ID_ARRAY))
+    hasNames = (
+        faces is None
+        or not faces.names
+        or (hasFaces and polyData.GetFieldData().HasArray(NAME_ARRAY))
     )
+    if hasFaces and hasNames:
+        return
+    if not hasFaces:
+        # As Slicer has it, a file that names no frame is in LPS.
+        frame = surface.frame or "LPS"
+        polyData = surface.polydata() if frame == "RAS" else _turned(surface.polydata())
+        storage.SetCoordinateSystem(storage.GetCoordinateSystemFromString(frame))
+    if not hasNames:
+        set_face_names(polyData, faces.names)
+    node.SetAndObservePolyData(polyData)
+    Conversion.takeAsInFile(node)
 
 
-def _fill(node: Any, storage: Any, surface: SurfaceFile) -> None:
-    """Let a model be a surface as it was read. As Slicer has it, a file that names no frame is in LPS."""
+def _turned(polyData: Any) -> Any:
     # Late: a page that shows nothing of the kind needs none of them.
     from vtkmodules.vtkCommonTransforms import vtkTransform
     from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
 
-    polyData, frame = surface.polydata(), surface.frame or "LPS"
-    if surface.faces is not None:
-        set_face_names(polyData, surface.faces.names)
-    if frame == "LPS":
-        turn, turned = vtkTransform(), vtkTransformPolyDataFilter()
-        turn.Scale(-1, -1, 1)
-        turned.SetTransform(turn)
-        turned.SetInputData(polyData)
-        turned.Update()
-        polyData = turned.GetOutput()
-    node.SetAndObservePolyData(polyData)
-    storage.SetCoordinateSystem(storage.GetCoordinateSystemFromString(frame))
+    turn, turned = vtkTransform(), vtkTransformPolyDataFilter()
+    turn.Scale(-1, -1, 1)
+    turned.SetTransform(turn)
+    turned.SetInputData(polyData)
+    turned.Update()
+    return turned.GetOutput()
 
 
 def save_model(node: Any, path: Path) -> None:

@@ -197,6 +197,11 @@ def bringToMillimeters(node, units):
         add_arrays(polyData, {"MaximumInscribedSphereRadius": scale * radius}, None)
     node.SetAndObservePolyData(polyData)
     node.SetAttribute(FILE_UNITS, units)
+    takeAsInFile(node)
+
+
+def takeAsInFile(node):
+    """Let a model count as what is in its file, though it was not read from there by Slicer as it is."""
     storage = node.GetStorageNode()
     path = storage.GetFileName()
     with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:

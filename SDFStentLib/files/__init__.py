@@ -26,6 +26,8 @@ from .mesh_complete import MeshComplete as MeshComplete
 from .mesh_complete import VolumeMesh as VolumeMesh
 from .mesh_complete import read_volume as read_volume
 from .mesh_complete import tetrahedra_at as tetrahedra_at
+from .model_faces import ID_ARRAY as ID_ARRAY
+from .model_faces import NAME_ARRAY as NAME_ARRAY
 from .model_faces import faces_of_polydata as faces_of_polydata
 from .model_faces import set_face_names as set_face_names
 from .output_set import StagingFolder as StagingFolder

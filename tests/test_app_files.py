@@ -1,0 +1,84 @@
+"""Surfaces that Slicer does not read, or not with their faces, in the scene of a page."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from app_server import IS_APP_INSTALLED
+from child_processes import PROJECT, python
+from mesh_files import octahedron
+from test_given_names import a_model
+from vtkmodules.vtkIOHDF import vtkHDFWriter
+
+from SDFStentLib.files import (
+    encode_vtp,
+    polydata_from_arrays,
+    read_surface,
+    set_face_names,
+    set_frame_of_polydata,
+    write_surface,
+)
+
+pytestmark = pytest.mark.skipif(not IS_APP_INSTALLED, reason="the extra app is not installed")
+
+OPEN = """
+import json, sys
+import numpy as np
+import slicer
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from SDFStentApp.files import open_vessel
+from SDFStentLib.files import faces_of_polydata, surface_from_polydata, triangulated_polydata
+from SDFStentSlicer import Conversion
+scene, told = slicer.vtkMRMLScene(), []
+for path in sys.argv[3:]:
+    node = open_vessel(scene, Path(path), None, sys.argv[2]).vessel
+    data = triangulated_polydata(node.GetPolyData()).polydata
+    faces = faces_of_polydata(data, surface_from_polydata(data))
+    told.append({
+        "points": vtk_to_numpy(data.GetPoints().GetData()).tolist(),
+        "names": [faces.names.get(number) for number in faces.ids.tolist()],
+        "file": node.GetStorageNode().GetFileName(),
+        "frame": Conversion.fileFrame(node),
+        "isChanged": bool(node.GetModifiedSinceRead()),
+    })
+print(json.dumps(told))
+"""
+
+
+@pytest.mark.parametrize(("frame", "units"), [("LPS", "cm"), ("RAS", "mm"), (None, "mm")])
+def test_a_page_has_the_faces_of_every_format_and_they_are_as_in_their_file(tmp_path, frame, units):
+    points, triangles = octahedron()
+    points = (points / (10 if units == "cm" else 1)).astype(np.float32)
+    ids, names = 1 + np.arange(len(triangles), dtype=np.int32) % 3, {2: "rechter Ast", 3: "cap"}
+    polydata = polydata_from_arrays(points, triangles, cell_arrays={"ModelFaceID": ids})
+    writer = vtkHDFWriter()
+    writer.SetFileName(str(tmp_path / "a.vtkhdf"))
+    writer.SetInputData(polydata)
+    assert writer.Write()
+    set_frame_of_polydata(polydata, frame)
+    (tmp_path / "model.vtp").write_bytes(encode_vtp(polydata))
+    for name in ("model.mdl", "a.mdl"):
+        (tmp_path / name).write_text(a_model(names), encoding="utf-8")
+    surface = read_surface(tmp_path / "model.vtp", units)
+    write_surface(tmp_path / "solids.stl", surface, surface.points)
+    set_face_names(polydata, names)
+    (tmp_path / "a.vtp").write_bytes(encode_vtp(polydata))
+
+    files = [tmp_path / name for name in ("model.vtp", "a.vtp", "a.vtkhdf", "solids.stl")]
+    done = python(OPEN, PROJECT / "SDFStent", units, *files)
+    said = json.loads(done.stdout.splitlines()[-1])
+    for path, told in zip(files, said, strict=True):
+        read = read_surface(path, units)
+        file_frame = read.frame or "LPS"
+        turn = [1, 1, 1] if file_frame == "RAS" else [-1, -1, 1]
+        np.testing.assert_allclose(np.array(told["points"]), read.points * turn, rtol=0, atol=1e-5)
+        expected = [read.faces.names.get(number) for number in read.faces.ids.tolist()]
+        assert told["names"] == expected
+        assert set(expected) - {None} == set(names.values())
+        assert told["file"] == str(path)
+        assert told["frame"] == file_frame
+        assert not told["isChanged"]
