@@ -9,6 +9,7 @@ from SDFStentLib import treatment
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import (
     check_joined,
+    check_same_space,
     composition_warnings,
     faces_of_polydata,
     size_warnings,
@@ -50,6 +51,7 @@ class Inputs:
 
     def __init__(self):
         self._vessel = self._centerline = self._lesions = self._preview = (None, None)
+        self._beside = ()
 
     def vessel(self, parameterNode):
         """The `Vessel`."""
@@ -84,14 +86,21 @@ class Inputs:
         return centerline if stamp == Conversion.inputStamp(parameterNode) else None
 
     def centerlineInPortions(self, parameterNode):
-        """The same in portions: a generator that yields None and returns the centerline."""
+        """The same in portions: a generator that yields None and returns the centerline.
+
+        Raises `InputError` where it is not of the vessel: no number in there would be one of the patient.
+        """
         stamp = Conversion.inputStamp(parameterNode)
         if stamp != self._centerline[0]:
-            lines, wall = Conversion.centerlineLines(parameterNode.centerline), None
-            if parameterNode.vessel is not None:
-                wall = (yield from self.vesselInPortions(parameterNode)).surface.points
+            lines, wall, told = Conversion.centerlineLines(parameterNode.centerline), None, ()
+            vessel = parameterNode.vessel
+            if vessel is not None:
+                surface = (yield from self.vesselInPortions(parameterNode)).surface
+                wall, names = surface.points, (vessel.GetName(), parameterNode.centerline.GetName())
             centerline = yield from inPortions(lambda: Centerline.from_lines(*lines, wall=wall))
-            self._centerline = (stamp, centerline)
+            if vessel is not None:
+                told = yield from inPortions(lambda: _misfits(surface, centerline, *names))
+            self._centerline, self._beside = (stamp, centerline), told
         return self._centerline[1]
 
     def lesions(self, parameterNode):
@@ -105,7 +114,7 @@ class Inputs:
         vessel = yield from self.vesselInPortions(parameterNode)
         centerline = yield from self.centerlineInPortions(parameterNode)
         _given, misfit = yield from self.givenNamesInPortions(parameterNode)
-        remark = "\n".join(filter(None, (vessel.remark, misfit)))
+        remark = "\n".join(filter(None, (vessel.remark, *self._beside, misfit)))
         names = () if misfit else Plans.namesOf(parameterNode)
         return remark, treatment.Vessel(vessel.surface, centerline, (), vessel.faces, names)
 
@@ -161,6 +170,12 @@ class Inputs:
             diameters = native.diameters(way.line, SPACING).inscribed_diameter
         known = diameters[np.isfinite(diameters)]
         return float(round(np.quantile(known, AS_WIDE_AS), 1)) if len(known) else 8.0
+
+
+def _misfits(surface, centerline, vesselName, name):
+    """What there is to say of a centerline that lies in a vessel, but for a part; `InputError` for one of another vessel."""
+    names = {"surface_name": vesselName, "centerline_name": name}
+    return [str(one) for one in check_same_space(surface, centerline.points, **names)]
 
 
 def _endOfSlider(size):

@@ -196,9 +196,10 @@ class SDFStentLogic(
         shown = self._shownOf(parameterNode)
         parameterNode.status = self._snapping.told(parameterNode)
         if live:
-            previewed = self._inputs.preview(parameterNode)
             search = self.lesionSearch(parameterNode)
-            yield from self._previewing.steps(shown, signature, vessel, previewed, search)
+            yield from self._previewing.steps(
+                shown, signature, vessel, lambda: self._inputs.preview(parameterNode), search
+            )
         else:
             yield from Deploying.steps(shown, signature, vessel, self._inputs, mayGoOn)
             yield from Deploying.measured(shown)

@@ -24,16 +24,17 @@ class Previewing:
     def __init__(self):
         self._measuredAt = 0.0
 
-    def steps(self, shown, signature, vessel, previewed, search):
-        """Preview the plan on a `PreviewedVessel` and show it; an iterator as `SDFStentLogic.steps`.
+    def steps(self, shown, signature, vessel, previewedOf, search):
+        """Preview the plan on the `PreviewedVessel` of `previewedOf()` and show it; an iterator as `SDFStentLogic.steps`.
 
-        `search` is the `LesionSearch` of the vessel, or None. Where the library refuses the plan the vessel is shown without stents, and said to be.
+        `search` is the `LesionSearch` of the vessel, or None. Where the library refuses the plan, or the centerline, the vessel is shown
+        without stents, and said to be.
         """
         parameterNode, surface = shown.parameterNode, shown.surface(vessel)
         surface.hideOutline()  # until nothing more is coming
         try:
             run = yield from working(
-                previewed.portions(
+                previewedOf().portions(
                     Plans.plannedOf(parameterNode),
                     Plans.settingsOf(parameterNode, live=True),
                     parameterNode.method.straightening / 100,

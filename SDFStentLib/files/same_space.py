@@ -146,7 +146,7 @@ def _explained(best: _Fit | None) -> InputError:
     if best is None:
         return InputError(
             "it lies elsewhere, and neither other units nor the other frame (RAS, LPS) explain "
-            "that; check that the two belong together."
+            "that: it is not of this vessel; check that the two belong together."
         )
     units = (
         f"the two are in different units (it would fit {best.factor:g} times as large): save "
