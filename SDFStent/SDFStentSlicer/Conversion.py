@@ -221,7 +221,7 @@ def changeStamp(node):
     if node is None:
         return None
     transform = node.GetParentTransformNode()
-    stamps = [node.GetID(), _content(node)]
+    stamps = [node.GetID(), contentOf(node)]
     # Ends: MRML refuses a transform that is its own parent, however far above.
     while transform is not None:
         stamps += [transform.GetID(), transform.GetTransformToWorldMTime()]
@@ -229,7 +229,8 @@ def changeStamp(node):
     return tuple(stamps)
 
 
-def _content(node):
+def contentOf(node):
+    """A value that changes whenever the node's content does, wherever its transform brings that."""
     if node.IsA("vtkMRMLMarkupsNode"):  # moving a point does not touch the node's modification time
         return tuple(node.GetNthControlPointPosition(i) for i in placedIndices(node))
     if node.IsA("vtkMRMLSegmentationNode"):

@@ -62,13 +62,17 @@ def newHandle(centerline, values):
 
 def bringTo(node, className, points):
     """Move the placed points of a handle; false, and nothing is done, where it is of another kind or has more or fewer."""
-    placed = Conversion.placedIndices(node)
-    if not node.IsA(className) or len(placed) != len(points):
+    if not node.IsA(className) or len(Conversion.placedIndices(node)) != len(points):
         return False
-    with slicer.util.NodeModify(node):
-        for index, point in zip(placed, points, strict=True):
-            node.SetNthControlPointPositionWorld(index, *point)
+    placeAt(node, points)
     return True
+
+
+def placeAt(node, points):
+    """Move the placed points of a markups node, as many as there are."""
+    with slicer.util.NodeModify(node):
+        for index, point in zip(Conversion.placedIndices(node), points, strict=True):
+            node.SetNthControlPointPositionWorld(index, *point)
 
 
 def copyHandle(node, label):

@@ -3,6 +3,7 @@
 from SDFStentLib.validation import InputError
 
 from . import Clock, Plans
+from .Transforms import matrixToWorld
 
 SETTLE_MS = 400
 """A plan has to rest so long to be kept: all that a hand does at one go is one step."""
@@ -73,8 +74,7 @@ class HistoryButtons:
     def show(self, parameterNode):
         """The parameter node that is shown now, whose plan may have changed."""
         inputs = parameterNode.vessel, parameterNode.centerline
-        nodes = (parameterNode.parameterNode, *inputs)
-        key = tuple(node and node.GetID() for node in nodes)
+        key = (parameterNode.parameterNode.GetID(), *map(_placeOf, inputs))
         history = self._histories.get(key)
         if history is None or history.parameterNode is not parameterNode:
             history = self._histories[key] = History(parameterNode)
@@ -111,3 +111,11 @@ class HistoryButtons:
     def _offer(self):
         self.ui.undoButton.enabled = self._history.mayGo(-1)
         self.ui.redoButton.enabled = self._history.mayGo(1)
+
+
+def _placeOf(node):
+    """Which node it is, and where its transform brings it: what was kept elsewhere would come back beside it."""
+    if node is None:
+        return None
+    matrix = matrixToWorld(node)
+    return node.GetID(), None if matrix is None else matrix.tobytes()

@@ -26,6 +26,7 @@ from . import (
     Sizes,
 )
 from .Alternatives import Alternatives
+from .Carrying import Carrying
 from .Dragging import Dragging
 from .Exporting import Exporting, Segments
 from .Fitting import Fitting
@@ -77,6 +78,7 @@ class SDFStentLogic(
         self._wrappers = {}
         self._shown, self._inputs = {}, Inputs()
         self._snapping, self._previewing, self._dragging = Snapping(), Previewing(), Dragging()
+        self._carrying = Carrying()
 
     def begin(self):
         """Start anew in a scene with imported content; plans that are singletons, as in former versions, are no longer."""
@@ -152,6 +154,12 @@ class SDFStentLogic(
     leave = staticmethod(Dependencies.leave)
     chooseSegment = staticmethod(Dependencies.chooseSegment)
     takenIDs = staticmethod(Outputs.takenIDs)
+
+    def carry(self, parameterNode):
+        """Bring handles and results along where the transform of what they lie in has changed since this was asked last."""
+        self._carrying.follow(
+            parameterNode, map(self.parameterSet, self.getAllParameterNodes())
+        )
 
     def centerlineOf(self, parameterNode):
         """The library's centerline of a parameter node, in world coordinates."""

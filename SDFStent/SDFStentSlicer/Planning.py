@@ -96,12 +96,12 @@ class Planning:
                 (line.points[0], at - line.length - BESIDE),
             ):
                 points = [Handles.along(tree, end, offset) for offset in offsets]
-                Handles.bringTo(handle, Handles.POINTS, points)
+                Handles.placeAt(handle, points)
                 lying = self.lying(parameterNode, tree)
                 room = 0.0 if lying is None else lying[1].deployed_length
                 away = np.linalg.norm(np.subtract(points, former), axis=1).min()
                 ways.append((min(room, away), points))
-            Handles.bringTo(handle, Handles.POINTS, max(ways, key=lambda way: way[0])[1])
+            Handles.placeAt(handle, max(ways, key=lambda way: way[0])[1])
 
     def removeStent(self, parameterNode):
         """Remove the selected stent, and its handle if this module made it; with the last one what was deployed, too."""

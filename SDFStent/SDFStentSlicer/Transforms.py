@@ -46,6 +46,19 @@ def scaleToWorld(node):
         return None
     matrix = vtkMatrix4x4()
     transform.GetMatrixTransformToWorld(matrix)
-    axes = np.array([[matrix.GetElement(row, column) for column in range(3)] for row in range(3)])
-    scales = np.linalg.svd(axes, compute_uv=False)
+    scales = np.linalg.svd(_array(matrix)[:3, :3], compute_uv=False)
     return float(scales[0]) if np.allclose(scales, scales[0], rtol=1e-3) else None
+
+
+def matrixToWorld(node):
+    """Where the transform of a node brings it, (4, 4); None for one that is not linear."""
+    transform, matrix = node.GetParentTransformNode(), vtkMatrix4x4()
+    if transform is not None:
+        if not transform.IsTransformToWorldLinear():
+            return None
+        transform.GetMatrixTransformToWorld(matrix)
+    return _array(matrix)
+
+
+def _array(matrix):
+    return np.array([[matrix.GetElement(row, column) for column in range(4)] for row in range(4)])

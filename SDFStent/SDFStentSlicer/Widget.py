@@ -81,6 +81,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.sections[0].isAwaited = lambda: self.recoil.isBusy
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
+        self._carrying = Clock.timer(self._carry, 0)
 
     def cleanup(self):
         for button in (self.plans.comparing, self.sections[-1].writing):
@@ -183,6 +184,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.logic.chooseSegment(self._parameterNode)
         Showing.inOneColor(self._parameterNode.vessel, self._parameterNode.centerline)
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))
+        self._carrying.start()
         self.lesions.follow(self._parameterNode)
         self.recoil.follow(self._parameterNode)
         self.table.show(self.stents.values(), self._parameterNode.selected)
@@ -196,11 +198,16 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             section.show(self._parameterNode)
 
     def onInputModified(self):
+        self._carrying.start()  # who hardens a transform changes the content first
         self.lesions.follow(self._parameterNode)
         self.recoil.follow(self._parameterNode)
         self._showSections()
         self._state.enable(self._parameterNode)
         self._requestUpdate()
+
+    def _carry(self):
+        if self._parameterNode is not None:
+            self.logic.carry(self._parameterNode)
 
     def onHandleMoved(self, handle):
         if self._parameterNode is not None:
