@@ -2,7 +2,7 @@
 
 import slicer
 
-from . import Display
+from . import Display, Showing
 from .Handles import removeWhole
 
 TUBE_COLOR = (0.15, 0.65, 0.5)
@@ -38,6 +38,18 @@ def createTube(name):
     display = _newDisplay(node)
     display.SetVisibility2D(True)
     display.SetColor(*TUBE_COLOR)
+    return node
+
+
+def createOutline(name, polyData):
+    """A model node that is seen in the slice views only; the polydata stays the caller's, and is not changed."""
+    node = newNode("vtkMRMLModelNode", name)
+    node.SetAndObservePolyData(polyData)
+    slicer.mrmlScene.AddNode(node)
+    display = _newDisplay(node)
+    display.SetVisibility3D(False)
+    display.SetVisibility2D(True)
+    display.SetColor(*Showing.VESSEL_COLOR)
     return node
 
 

@@ -99,6 +99,7 @@ def _asVessel(display):
     if display.IsA("vtkMRMLModelDisplayNode"):
         display.SetScalarVisibility(False)
         display.SetColor(*VESSEL_COLOR)
+        display.SetVisibility2D(True)
         seeThrough(display)
     else:
         display.SetOpacity3D(VESSEL_OPACITY)

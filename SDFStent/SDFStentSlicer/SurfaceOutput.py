@@ -6,6 +6,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from . import Conversion, Display, Results, Showing
+from .Marks import createOutline, removeMark
 from .PointNormals import PointNormals, withNormals
 
 VESSEL_COLOR = (0.88, 0.47, 0.42)
@@ -21,7 +22,7 @@ class SurfaceOutput:
         node.SetAndObservePolyData(polyData)
         self._polyData, self._normals = polyData, PointNormals(polyData, corners)
         self._changed = None
-        self._hidesOutline = False
+        self._outline = None
 
     @property
     def isValid(self):
@@ -58,18 +59,22 @@ class SurfaceOutput:
         self._polyData.Modified()
 
     def hideOutline(self):
-        """Take the outline out of the slice views, where it would be cut anew at every change."""
+        """Show the outline of the vessel as it was in the slice views: that of the output would be cut anew at every change."""
         display = self.node.GetDisplayNode()
-        if display is not None and display.GetVisibility2D():
-            self._hidesOutline = True
-            display.SetVisibility2D(False)
+        if display is not None and display.GetVisibility() and display.GetVisibility2D():
+            with Showing.inOneFrame():
+                self._outline = createOutline(_("Vessel before treatment"), self.template)
+                display.SetVisibility2D(False)
 
     def showOutline(self):
         """Bring the outline back, if it was taken away."""
         display = self.node.GetDisplayNode()
-        if self._hidesOutline and display is not None:
-            display.SetVisibility2D(True)
-        self._hidesOutline = False
+        if self._outline is not None:
+            with Showing.inOneFrame():
+                if display is not None:
+                    display.SetVisibility2D(True)
+                removeMark(self._outline)
+        self._outline = None
 
 
 def outputSurface(parameterNode, vessel, former):

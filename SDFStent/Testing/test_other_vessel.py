@@ -26,8 +26,12 @@ def moved(node, offset):
 def others():
     return {
         "shape": lambda: sample("arch_with_coarctation", "Arch"),
-        "place": lambda: [moved(n, (0, 60, 0)) for n in sample("branching_pulmonary_artery", "Far")],
-        "beside": lambda: [moved(n, (0, 9, 0)) for n in sample("branching_pulmonary_artery", "Near")],
+        "place": lambda: [
+            moved(n, (0, 60, 0)) for n in sample("branching_pulmonary_artery", "Far")
+        ],
+        "beside": lambda: [
+            moved(n, (0, 9, 0)) for n in sample("branching_pulmonary_artery", "Near")
+        ],
     }
 
 
@@ -71,7 +75,9 @@ def test_a_vessel_that_is_changed_under_its_stents_is_shown_as_it_is(host, aSten
         assert aStent._state.atHand.text == ""
         np.testing.assert_allclose(pointsOf(parameters.outputVessel), pointsOf(other), atol=1e-4)
     former = next(
-        node for node in slicer.util.getNodesByClass("vtkMRMLModelNode") if node.GetName() == "Artery"
+        node
+        for node in slicer.util.getNodesByClass("vtkMRMLModelNode")
+        if node.GetName() == "Artery"
     )
     ui.vesselSelector.setCurrentNode(former)
     settle(host, aStent)
