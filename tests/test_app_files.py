@@ -18,8 +18,8 @@ from SDFStentLib.files import (
     read_surface,
     set_face_names,
     set_frame_of_polydata,
-    write_surface,
 )
+from SDFStentLib.files.plain.stl import encode_solids
 
 pytestmark = pytest.mark.skipif(not IS_APP_INSTALLED, reason="the extra app is not installed")
 
@@ -63,8 +63,8 @@ def test_a_page_has_the_faces_of_every_format_and_they_are_as_in_their_file(tmp_
     (tmp_path / "model.vtp").write_bytes(encode_vtp(polydata))
     for name in ("model.mdl", "a.mdl"):
         (tmp_path / name).write_text(a_model(names), encoding="utf-8")
-    surface = read_surface(tmp_path / "model.vtp", units)
-    write_surface(tmp_path / "solids.stl", surface, surface.points)
+    tag = f"SPACE={frame}" if frame else ""
+    (tmp_path / "solids.stl").write_bytes(encode_solids(points, triangles, ids, names, tag))
     set_face_names(polydata, names)
     (tmp_path / "a.vtp").write_bytes(encode_vtp(polydata))
 

@@ -18,6 +18,7 @@ from SDFStentLib.files import (
     set_frame_of_polydata,
     write_surface,
 )
+from SDFStentLib.files.plain.stl import encode_solids
 from SDFStentLib.geometry import vertex_normals
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.validation import InputError
@@ -298,24 +299,26 @@ def called(surface):
     return [surface.faces.names.get(number) for number in surface.faces.ids.tolist()]
 
 
-def test_faces_are_solids_in_an_stl_and_name_branches_from_there_as_from_a_vtp(tmp_path):
+def test_solids_of_an_stl_name_branches_as_the_faces_of_a_vtp_and_come_back(tmp_path):
     artery = branching_pulmonary_artery(edge_length=1.2)
-    points = artery.points.astype(np.float32)
-    cells = {"ModelFaceID": artery.face_ids, "age": np.arange(len(artery.triangles))}
-    polydata = polydata_from_arrays(points, artery.triangles, cell_arrays=cells)
-    set_face_names(polydata, artery.faces.names)
+    points, names = artery.points.astype(np.float32), artery.faces.names
+    polydata = polydata_from_arrays(
+        points, artery.triangles, cell_arrays={"ModelFaceID": artery.face_ids}
+    )
+    set_face_names(polydata, names)
     set_frame_of_polydata(polydata, "LPS")
     (tmp_path / "a.vtp").write_bytes(encode_vtp(polydata))
     native = read_surface(tmp_path / "a.vtp")
-    (said,) = write_surface(tmp_path / "a.stl", native, native.points)
-    assert str(said).endswith(".stl cannot keep the arrays age; write .vtp to keep them.")
-
+    data = encode_solids(points, artery.triangles, artery.face_ids, names, "SPACE=LPS")
+    (tmp_path / "a.stl").write_bytes(data)
     solids = read_surface(tmp_path / "a.stl")
     assert solids.frame == "LPS"
     assert called(solids) == called(native)
     assert told_of(artery, solids) == told_of(artery, native)
-    # From there they go on into every format that has room for them, and back.
-    for suffix in (".stl", ".vtp", ".vtk"):
+
+    assert write_surface(tmp_path / "again.stl", solids, solids.points) == ()
+    assert (tmp_path / "again.stl").read_bytes() == data
+    for suffix in (".vtp", ".vtk"):
         write_surface(tmp_path / f"again{suffix}", solids, solids.points)
         again = read_surface(tmp_path / f"again{suffix}")
         assert called(again) == called(solids)
@@ -323,10 +326,7 @@ def test_faces_are_solids_in_an_stl_and_name_branches_from_there_as_from_a_vtp(t
     (said,) = write_surface(tmp_path / "again.ply", solids, solids.points)
     assert "ModelFaceNames" in str(said)
     assert np.array_equal(read_surface(tmp_path / "again.ply").faces.ids, solids.faces.ids)
-
-
-def test_faces_without_names_are_no_solids(tmp_path):
-    surface = rich_surface(tmp_path)
-    (said,) = write_surface(tmp_path / "a.stl", surface, surface.points)
+    # Of another format they are not: programs join no points of different solids.
+    (said,) = write_surface(tmp_path / "one.stl", native, native.points)
     assert "ModelFaceID" in str(said)
-    assert not (tmp_path / "a.stl").read_bytes().startswith(b"solid")
+    assert read_surface(tmp_path / "one.stl").faces is None

@@ -43,8 +43,8 @@ def write_surface(
     Unit, frame tag, data types, topology and every array are those of the file that was read;
     the coordinates of points that have not moved have the same bits. Normals are recomputed where
     the surface changed. VTP is written binary, appended and compressed, the others binary, OBJ as
-    text; STL is always single precision, and ASCII with a solid for each face where faces of the
-    model are known by name.
+    text; STL is always single precision, and ASCII where it was read with several
+    solids, which it has again.
 
     Parameters
     ----------
@@ -159,10 +159,12 @@ def _encode_solids(
     cell_arrays: dict[str, NDArray[Any]],
     lost: list[str],
 ) -> _Encoded | None:
-    """STL with a solid for each face of the model where these are known by name, or came so."""
+    """STL with a solid for each face of the model where they came so.
+
+    Else not: programs such as trimesh do not join what stands in several solids.
+    """
     faces, ids = surface.faces, cell_arrays.get(ID_ARRAY)
-    came_so = surface.path.suffix.lower() == ".stl"
-    if faces is None or ids is None or np.ptp(ids) == 0 or not (faces.names or came_so):
+    if faces is None or ids is None or surface.path.suffix.lower() != ".stl":
         return None
     tag = f"SPACE={surface.frame}" if surface.frame else ""
     data = encode_solids(points, triangles, ids, faces.names, tag)
