@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import gzip
+import re
 import struct
 
 import numpy as np
 import pymeshlab
 import pytest
+from child_processes import PROJECT
 from mesh_files import octahedron
+from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPolyData
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkFiltersCore import vtkAppendFilter
 from vtkmodules.vtkFiltersSources import vtkCylinderSource, vtkSphereSource
 from vtkmodules.vtkIOHDF import vtkHDFWriter
@@ -23,16 +27,26 @@ from vtkmodules.vtkIOXML import (
 )
 
 from SDFStentLib.cautions import Caution
+from SDFStentLib.cli import main
+from SDFStentLib.cli.option_table import SURFACE
 from SDFStentLib.files import (
     add_arrays,
     encode_vtp,
     polydata_from_arrays,
+    polydata_from_lines,
     read_surface,
     read_with_pieces,
     write_surface,
 )
 from SDFStentLib.files.plain.off import decode_off
-from SDFStentLib.surface_formats import READ_SUFFIXES, WRITTEN_SUFFIXES
+from SDFStentLib.phantoms import stenosed_tube
+from SDFStentLib.surface_formats import (
+    FORMATS_IN_WORDS,
+    READ_SUFFIXES,
+    SURFACE_FORMATS,
+    WRITTEN_SUFFIXES,
+    written_suffix,
+)
 from SDFStentLib.validation import InputError
 
 POINTS, TRIANGLES = octahedron(rounds=1)
@@ -258,6 +272,39 @@ def test_vtkhdf_is_read_as_it_was(tmp_path, is_grid):
     assert_is_the_sphere(read_surface(written(vtkHDFWriter(), tmp_path / "a.vtkhdf", data)))
 
 
+class Growing(VTKPythonAlgorithmBase):
+    """A sphere whose radius is the time, at three of them."""
+
+    TIMES = (12.5, 20.0, 30.0)
+
+    def __init__(self):
+        super().__init__(nInputPorts=0, nOutputPorts=1, outputType="vtkPolyData")
+
+    def RequestInformation(self, _request, _given, made):
+        steps = vtkStreamingDemandDrivenPipeline.TIME_STEPS()
+        made.GetInformationObject(0).Set(steps, self.TIMES, len(self.TIMES))
+        return 1
+
+    def RequestData(self, _request, _given, made):
+        key = vtkStreamingDemandDrivenPipeline.UPDATE_TIME_STEP()
+        sphere = vtkSphereSource()
+        sphere.SetRadius(made.GetInformationObject(0).Get(key))
+        sphere.Update()
+        vtkPolyData.GetData(made).ShallowCopy(sphere.GetOutput())
+        return 1
+
+
+def test_of_the_steps_of_a_vtkhdf_file_the_first_is_read_and_said(tmp_path):
+    source, writer = Growing(), vtkHDFWriter()
+    writer.SetInputConnection(source.GetOutputPort())
+    writer.SetFileName(str(tmp_path / "a.vtkhdf"))
+    writer.SetWriteAllTimeSteps(True)
+    assert writer.Write()
+    surface = read_surface(tmp_path / "a.vtkhdf")
+    np.testing.assert_allclose(np.linalg.norm(surface.points, axis=1), 12.5, rtol=1e-6)
+    assert "3 steps of time; the first, at 12.5, is read" in str(surface.warnings[0])
+
+
 def test_a_vtkhdf_file_that_is_damaged_or_holds_something_else_is_a_sentence(tmp_path):
     path = written(vtkHDFWriter(), tmp_path / "a.vtkhdf", a_sphere())
     data = path.read_bytes()
@@ -447,3 +494,32 @@ def test_what_is_read_only_is_written_under_another_suffix(tmp_path):
         with pytest.raises(InputError, match=r"ends in \.vtp, .*; rename it"):
             write_surface(tmp_path / f"out{suffix}", surface, surface.points)
         assert not (tmp_path / f"out{suffix}").exists()
+
+
+def test_the_documents_and_the_help_name_the_formats_of_the_table():
+    text = (PROJECT / "docs" / "files.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`\..*?) \| .* \| (yes|no) \|$", text, re.MULTILINE)
+    listed = {suffix: said == "yes" for cell, said in rows for suffix in re.findall(r"\.\w+", cell)}
+    assert listed == {one.suffix: one.is_written for one in SURFACE_FORMATS}
+    assert FORMATS_IN_WORDS in " ".join(SURFACE.split())
+    assert written_suffix(".STL") == ".STL"
+    assert written_suffix(".vtu") == ".vtp"
+
+
+def test_a_plan_of_a_file_that_is_only_read_writes_the_usual_format(tmp_path, monkeypatch, capsys):
+    tube = stenosed_tube()
+    wall = polydata_from_arrays(tube.points, tube.triangles)
+    written(vtkXMLUnstructuredGridWriter(), tmp_path / "a.vtu", as_grid(wall))
+    line = polydata_from_lines(tube.centerline.points, [np.arange(len(tube.centerline.points))])
+    saved(tmp_path / "line.vtp", line)
+    monkeypatch.chdir(tmp_path)
+    stent = ["--center", *map(str, tube.centerline.points[len(tube.centerline.points) // 2])]
+    words = ["deploy", "a.vtu", "--centerline", "line.vtp", *stent, "--length", "12"]
+    words += ["--diameter", "6", "--save-plan", "plan.json", "--quiet"]
+    assert main([*words, "-o", "out.vtu"]) == 2
+    assert "expected a surface that ends in .vtp" in capsys.readouterr().err
+    assert main([*words, "-o", "out.stl"]) == 0
+    assert main(["run", "plan.json", "-o", "again", "--quiet"]) == 0
+    assert (tmp_path / "again" / "a_stented.vtp").is_file()
+    stented = read_surface("again/a_stented.vtp").points
+    assert np.array_equal(read_surface("out.stl").points.shape, stented.shape)
