@@ -53,6 +53,10 @@ TEMPLATES = {
         "to Grid; MeshLab: Merge Close Vertices)."
     ),
     "ghost-cells": "{cells} ghost or hidden cells are left out, and are written as they were.",
+    "outer-wall": (
+        "It has a wall of two sides: the lumen is measured and treated; the outer side, of "
+        "{triangles} triangles, goes along with it at its distance."
+    ),
     "triangles-again": (
         "{triangles} triangles lie on others a second time, or are collapsed between these: they "
         "are no wall, and are written as they were. A mesher refuses them: remove them first "

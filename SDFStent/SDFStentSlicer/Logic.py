@@ -157,9 +157,7 @@ class SDFStentLogic(
 
     def carry(self, parameterNode):
         """Bring handles and results along where the transform of what they lie in has changed since this was asked last."""
-        self._carrying.follow(
-            parameterNode, map(self.parameterSet, self.getAllParameterNodes())
-        )
+        self._carrying.follow(parameterNode, map(self.parameterSet, self.getAllParameterNodes()))
 
     def centerlineOf(self, parameterNode):
         """The library's centerline of a parameter node, in world coordinates."""

@@ -188,7 +188,7 @@ def _surface_document(surface: SurfaceFile) -> dict[str, Any]:
         "file": str(surface.path),
         "sha256": surface.sha256,
         "points": len(surface.points),
-        "triangles": len(surface.triangles),
+        "triangles": surface.surface.made_of,
         "units": surface.units,
     }
 

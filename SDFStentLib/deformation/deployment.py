@@ -17,6 +17,7 @@ from ..field import CapsuleChain
 from ..geometry import Surface
 from .attempt import Attempt
 from .settings import DeploymentSettings
+from .untangle import relaxed
 from .values import DeploymentResult, DeploymentState, DeploymentTask
 
 __all__ = ["Deployment", "DeploymentResult", "DeploymentState", "deploy"]
@@ -98,13 +99,15 @@ class Deployment(DeploymentTask):
                 attempt, verdict, rounds = self._untangled(comparison, attempt, verdict)
         state = attempt.state(self.target_level)._replace(fraction=1.0)
         after = self.surface.with_points(state.applied_to(self.surface.points))
+        whole = self.surface.whole
+        if verdict is not None and whole is not self.surface:
+            comparison = Comparison(whole.points, whole.wound_triangles, self.precision)
+            after, verdict = self._with_outer_side(comparison, after)
+            moved = np.flatnonzero((after.points != self.surface.points).any(axis=1))
+            state = state._replace(indices=moved, coordinates=after.points[moved])
         motion, certificate = attempt.motion_check(), None
         if self.settings.certify and verdict is not None:
             lumen = self.lumen_checks(self.surface, after)
-            whole = self.surface.whole
-            if whole is not self.surface:
-                comparison = Comparison(whole.points, whole.wound_triangles, self.precision)
-                verdict = comparison.verdict(after.points)
             slivers = comparison.new_slivers(verdict)
             fitness = fitness_after(self.surface, after, verdict, self.precision)
             certificate = certificate_of(verdict, slivers, whole, fitness, (motion,), lumen)
@@ -117,6 +120,14 @@ class Deployment(DeploymentTask):
             estimated_error=attempt.motion.estimated_error,
             motion=motion,
         )
+
+    def _with_outer_side(self, comparison: Comparison, after: Surface) -> tuple[Surface, Verdict]:
+        """The surface with what goes along with its wall, taken apart where that folds."""
+        verdict = comparison.verdict(after.points)
+        if verdict.passed or not self.settings.untangle:
+            return after, verdict
+        end = relaxed(self.surface, after.points, comparison, verdict)
+        return after.with_points(end.points), end.verdict
 
     def _untangled(
         self, comparison: Comparison, attempt: Attempt, verdict: Verdict

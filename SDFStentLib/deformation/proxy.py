@@ -132,7 +132,9 @@ class Proxy:
         cells = wall.cells_near(task.capsules, reach + level.spacing)
         rows, displacement = _carried(wall, level, cells, moved.displacement)
         before = _taken(wall, rows, points)
-        indices, coordinates = self.surface.followed(wall.vertices[rows], before + displacement)
+        indices, coordinates = self.surface.followed(
+            wall.vertices[rows], before + displacement, points
+        )
         state = DeploymentState(
             radius=task.radius,
             fraction=1.0,

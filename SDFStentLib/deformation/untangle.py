@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cautions import Caution
-from ..certificate import Comparison
-from ..geometry import VertexNeighbors, faces_at, vertex_neighbors
-from ..validation import Place, Points, Triangles, as_place
+from ..certificate import Comparison, Verdict
+from ..geometry import Surface, VertexNeighbors, faces_at, ranges, vertex_neighbors
+from ..validation import Flags, Place, Points, Triangles, as_place
 from .motion import Motion
 
 ROUNDS = 40
@@ -187,3 +187,58 @@ def _rows(
     counts = neighbors.offsets[vertices + 1] - starts
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     return counts, neighbors.indices[np.repeat(starts, counts) + within]
+
+
+class Relaxed(NamedTuple):
+    """Where all points (n, 3) are, mm, and what the whole surface's certificate says."""
+
+    points: Points
+    verdict: Verdict
+
+
+def relaxed(surface: Surface, points: Points, comparison: Comparison, first: Verdict) -> Relaxed:
+    """Smooth the outer side of a wall round its faults, until none is left or it gives up.
+
+    In a crotch it is finer than the lumen and bends the other way: a shift that is smooth along
+    the lumen may be too steep for it there. The state with the fewest faults counts.
+
+    Parameters
+    ----------
+    surface : Surface
+        Before.
+    points : (n, 3) array
+        After; those of the lumen stay.
+    comparison, first
+        Of the whole surface, and its verdict on these points.
+    """
+    whole = surface.whole
+    goes_along = np.zeros(len(points), dtype=bool)
+    goes_along[surface.followers] = True
+    best = last = Relaxed(points, first)
+    free = np.zeros(len(points), dtype=bool)
+    idle = 0
+    for round_ in range(ROUNDS):
+        if best.verdict.passed or idle > IDLE_ROUNDS:
+            break
+        free[whole.triangles[last.verdict.failing]] = True
+        if round_ % ROUNDS_PER_RING == ROUNDS_PER_RING - 1:
+            free[whole.triangles[faces_at(free, whole.triangles)]] = True
+        moved = surface.with_copies(_relaxed_once(whole, last.points, free & goes_along))
+        last = Relaxed(moved, comparison.verdict(moved, last.verdict))
+        idle += 1
+        if len(last.verdict.failing) < len(best.verdict.failing):
+            best, idle = last, 0
+    return best
+
+
+def _relaxed_once(surface: Surface, points: Points, free: Flags) -> Points:
+    """Points (n, 3), of which the free ones go a part of the way to the mean of their neighbors."""
+    offsets, neighbors = surface.neighbors
+    where = np.flatnonzero(free & (np.diff(offsets) > 0))
+    counts = np.diff(offsets)[where]
+    around = points[neighbors[ranges(offsets[where], counts)]]
+    owner = np.repeat(np.arange(len(where)), counts)
+    sums = np.stack([np.bincount(owner, column, len(where)) for column in around.T], axis=1)
+    moved = points.copy()
+    moved[where] += RELAXATION * (sums / counts[:, None] - moved[where])
+    return moved

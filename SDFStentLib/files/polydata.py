@@ -14,6 +14,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPointSet, vtkPolyData
 from ..geometry import Surface
 from ..units import Frame, as_frame
 from ..validation import InputError, Points, as_patient_points, as_points, as_triangles
+from .composition import lumen_alone
 from .ghosts import ghosts_of_polydata
 
 RADIUS_ARRAYS = ("MaximumInscribedSphereRadius", "Radius")
@@ -51,7 +52,8 @@ def surface_from_polydata(
     Returns
     -------
     Surface
-        A copy, made of the cells of the polydata but for ghosts; see its `cells`.
+        A copy, made of the cells of the polydata but for ghosts and outer sides of walls; see its
+        `cells`.
 
     Raises
     ------
@@ -73,7 +75,7 @@ def surface_from_polydata(
             f"{name}: expected at least one triangle, got {count} ghost cells and nothing else; "
             "save the surface without ghosts, or the piece that it is of."
         )
-    return Surface(points, triangles, name, is_ghost)
+    return lumen_alone(Surface(points, triangles, name, is_ghost))
 
 
 def _coordinates(polydata: vtkPolyData) -> Points:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..cautions import Caution
-from ..geometry import Surface, as_surface, signed_volume
+from ..geometry import Surface, as_surface, dot, norm, signed_volume
 from ..units import flipped
 from ..validation import InputError, Points, as_points
 
@@ -25,6 +25,10 @@ _NEARLY_ALL = 0.95
 _SMALLEST_PART = 0.2
 _SMALLEST_EXTENT, _LARGEST_EXTENT = 20.0, 2000.0  # mm, of a vessel model
 _SMALLEST_LUMEN, _LARGEST_LUMEN = 2.0, 100.0  # mm, diameter; an aorta in cm has 1.7
+
+
+_LOOKS = 15  # places of the line at which it is looked round
+_AROUND, _CANCELS = 3.0, 0.4  # times the nearest; half a sphere of directions leaves 0.5
 
 
 class _Fit(NamedTuple):
@@ -77,7 +81,29 @@ def check_same_space(
         numbers["surface"] = surface_name
         return (Caution("partly-outside", numbers, label=f"{centerline_name}: "),)
     found = f"{centerline_name}: expected it inside {surface_name}, got {100 * inside:.0f} % inside"
+    if best is None and _goes_round(surface, centers):
+        raise InputError(
+            f"{found}; it lies in a hole of it, as in that of a wall with two sides, a solid: "
+            "give the surface of the lumen alone."
+        )
     raise _explained(best).labeled(f"{found}; ")
+
+
+def _goes_round(surface: Surface, places: Points) -> bool:
+    """Whether there is surface on all sides of most of some places (k, 3), as round a hole.
+
+    The directions to it, by the angle that it takes up, cancel each other; beside it they do not.
+    """
+    middles, normals = surface.points[surface.triangles].mean(axis=1), surface.face_normals
+    count = 0
+    for place in places[:: max(1, len(places) // _LOOKS)]:
+        offset = middles - place
+        distance = np.maximum(norm(offset), np.finfo(float).tiny)
+        near = np.flatnonzero(distance < _AROUND * distance.min())
+        way = offset[near] / distance[near, None]
+        seen = surface.face_areas[near] * np.abs(dot(way, normals[near])) / distance[near] ** 2
+        count += bool(np.linalg.norm(seen @ way) < _CANCELS * seen.sum())
+    return count > _LOOKS // 2
 
 
 def check_joined(surface: Surface, name: str) -> None:

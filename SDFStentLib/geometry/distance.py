@@ -7,7 +7,7 @@ looked at exactly. Nothing is ever missed, however uneven the mesh is.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,11 +15,26 @@ from ..validation import Floats, Indices, Points, Triangles
 from .near_balls import Balls
 from .rows import dot, norm
 
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
 _BLOCK = 128
 """Queries looked at together; each may meet some thousand triangles at the centre of a tube."""
 
 _PAIR_BLOCK = 4096
 """Pairs looked at together: their temporaries stay in the processor's cache."""
+
+_TOUCHING = 1e-6
+"""Distance, mm, below which a point counts as on a surface."""
+
+_TISSUE = 6.0
+"""Distance, mm, from which on a wall across does not matter: about where motion fades out."""
+
+_BALLS = (0.2, 0.4, 0.8, 1.6, 3.0)
+"""Radii, mm, of balls beside a place in which a wall across is looked for."""
+
+_FACING = 0.5
+_NEAREST = 6
 
 _SLACK = 1e-12
 """Relative widening of bounds, against rounding."""
@@ -80,6 +95,97 @@ def closest_points_on_triangles(queries: Points, corners: Floats) -> Points:
         best_t = np.where(is_better, along_v, best_t)
         best = np.where(is_better, squared, best)
     return np.ascontiguousarray((first + best_s * u + best_t * v).T)
+
+
+WIDENED = 1.2
+"""A point goes along with every place of a surface that is not farther than so many times the
+nearest: between two walls, as in a crotch, with both, and with no jump anywhere."""
+
+
+def following_weights(points: Points, triangles: Triangles, queries: Points) -> csr_array:
+    """Weights (k, n) by which places near a surface go along with its points (n, 3).
+
+    Each goes as its nearest places of the triangles nearby do, on average: where these shift by
+    the same it shifts by that.
+    """
+    from scipy.sparse import coo_array  # late: it costs half a second
+
+    index = SurfaceIndex(points, triangles)
+    nearest = index.distances(queries).distance
+    reach = np.maximum(WIDENED * nearest, nearest + _TOUCHING)
+    rows, columns, values = [], [], []
+    for start in range(0, len(queries), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        query, face, _ = index.near(queries[block], reach[block])
+        own = start + query
+        places = queries.take(own, axis=0)
+        closest = index.closest_points(places, face)
+        beyond = (norm(places - closest) - nearest[own]) / (reach - nearest)[own]
+        weight = np.maximum(1 - beyond, 0) ** 2
+        rows.append(np.repeat(own, 3))
+        columns.append(triangles.take(face, axis=0).ravel())
+        shares = _barycentric(closest, index.corners.take(face, axis=0))
+        values.append((weight[:, None] * shares).ravel())
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    weights = _rows_normalized(coo_array(entries, shape=(len(queries), len(points))).tocsr())
+    return _between_walls(weights, points, triangles, queries)
+
+
+def _rows_normalized(weights: csr_array) -> csr_array:
+    sums = np.asarray(weights.sum(axis=1)).ravel()
+    weights.data /= np.repeat(np.where(sums > 0, sums, 1), np.diff(weights.indptr))
+    return weights
+
+
+def _between_walls(
+    weights: csr_array, points: Points, triangles: Triangles, queries: Points
+) -> csr_array:
+    """The same, but between two walls each by its nearness: tissue there is compressed evenly.
+
+    In a crotch one side moves towards the other. With weights as 1 / d a place keeps its order
+    between the two, whatever these do that do not cross each other.
+    """
+    from scipy.sparse import coo_array, diags_array
+    from scipy.spatial import cKDTree
+
+    used = np.unique(triangles)
+    tree = cKDTree(points[used])
+    foot = weights @ points
+    away = queries - foot
+    own = norm(away)
+    away /= np.maximum(own, _TOUCHING)[:, None]
+    across = np.full(len(queries), np.inf)
+    for radius in _BALLS:
+        left = np.flatnonzero(np.isinf(across) & (own > _TOUCHING))
+        found = tree.query(queries[left] + radius * away[left])[1]
+        offset = points[used[found]] - queries[left]
+        distance = norm(offset)
+        faces = dot(offset, away[left]) > _FACING * distance
+        across[left[faces]] = distance[faces]
+    near = np.flatnonzero(across < _TISSUE)
+    if not len(near):
+        return weights
+    distance, other = tree.query(queries[near] + across[near, None] * away[near], k=_NEAREST)
+    shares = 1 / (distance + _TOUCHING)
+    rows = np.repeat(near, _NEAREST)
+    entries = shares.ravel(), (rows, used[other].ravel())
+    facing = _rows_normalized(coo_array(entries, shape=weights.shape).tocsr())
+    beside, beyond = np.ones(len(queries)), np.zeros(len(queries))
+    beside[near] = np.maximum(1 / own[near] - 1 / _TISSUE, 0)
+    beyond[near] = 1 / across[near] - 1 / _TISSUE
+    return _rows_normalized((diags_array(beside) @ weights + diags_array(beyond) @ facing).tocsr())
+
+
+def _barycentric(places: Points, corners: Floats) -> Floats:
+    """Shares (p, 3) of the corners (p, 3, 3) in places on their triangles."""
+    first, second, third = corners.swapaxes(0, 1)
+    u, v, offset = second - first, third - first, places - first
+    uu, uv, vv = dot(u, u), dot(u, v), dot(v, v)
+    squared_area = uu * vv - uv * uv
+    s = _quotient(vv * dot(offset, u) - uv * dot(offset, v), squared_area)
+    t = _quotient(uu * dot(offset, v) - uv * dot(offset, u), squared_area)
+    shares = np.clip(np.stack([1 - s - t, s, t], axis=1), 0, 1)
+    return shares / shares.sum(axis=1, keepdims=True)
 
 
 class SurfaceIndex:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from copy import copy
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..validation import Flags, Indices, Points, Triangles, read_only
 from .closing import Closing, closing
+from .distance import following_weights
 from .fans import connected
 from .rows import dot
 from .topology import (
@@ -25,12 +26,17 @@ from .topology import (
     vertex_neighbors,
 )
 
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
 FOLDED = np.cos(np.deg2rad(1.0))
 """Two faces at an angle below 1 degree lie on each other: walls that touch, no seam of one wall."""
 
 
 class Mesh:
     """What follows from the triangles alone; surfaces that differ in their points share it."""
+
+    weights: csr_array | None
 
     def __init__(self, points: Points, triangles: Triangles, is_left_out: Flags | None) -> None:
         kept = None if is_left_out is None else np.flatnonzero(~is_left_out)
@@ -39,11 +45,13 @@ class Mesh:
         self.whole = self.triangles = read_only(found.triangles)
         self.cells = self.cells_of_whole = kept
         self.copies, self.originals = read_only(found.copies), read_only(found.originals)
-        self.unshared = found.unshared
+        self.unshared, self.again_count = found.unshared, 0
+        self.followers, self.weights = NOTHING, None
         if found.is_wall is not None:
             wall = np.flatnonzero(found.is_wall)
             self.triangles = read_only(found.triangles[wall])
             self.cells = wall if kept is None else kept[wall]
+            self.again_count = len(self.whole) - len(wall)
 
     @cached_property
     def topology(self) -> Topology:
@@ -73,10 +81,23 @@ class Mesh:
         """That of all triangles that belong to the surface, wall or not."""
         if self.whole is self.triangles:
             return self
+        return self._of(self.whole, self.cells_of_whole)
+
+    def without(self, points: Points, is_apart: Flags) -> Mesh:
+        """The same without some triangles (m,), whose own points go along with the wall."""
+        kept = np.flatnonzero(~is_apart)
+        mesh = self._of(self.triangles[kept], kept if self.cells is None else self.cells[kept])
+        wall = _used(mesh.triangles, self.point_count)
+        own = np.setdiff1d(_used(self.triangles[is_apart], self.point_count), wall)
+        mesh.followers = read_only(own)
+        mesh.weights = following_weights(points, mesh.triangles, points[own])
+        return mesh
+
+    def _of(self, triangles: Triangles, cells: Indices | None) -> Mesh:
         mesh = copy(self)
-        for name in ("topology", "corners", "neighbors", "wound_triangles", "closing"):
+        for name in ("topology", "corners", "neighbors", "wound_triangles", "closing", "of_whole"):
             vars(mesh).pop(name, None)
-        mesh.triangles, mesh.cells = self.whole, self.cells_of_whole
+        mesh.triangles, mesh.cells = read_only(triangles), cells
         return mesh
 
 

@@ -108,6 +108,16 @@ class Surface:
         return self._mesh.unshared
 
     @property
+    def followers(self) -> Indices:
+        """(f,) points that are no wall and go along with it, such as those of its outer side."""
+        return self._mesh.followers
+
+    @property
+    def again_count(self) -> int:
+        """How many triangles lie on others a second time."""
+        return self._mesh.again_count
+
+    @property
     def copies(self) -> Indices:
         """(c,) points that lie on one of the wall and count as that."""
         return self._mesh.copies
@@ -129,19 +139,47 @@ class Surface:
         rows[self.cells] = values
         return rows
 
-    def followed(self, indices: Indices, coordinates: Points) -> tuple[Indices, Points]:
-        """Moved points (k,) and where they are, mm, with the copies that follow them."""
+    def followed(
+        self, indices: Indices, coordinates: Points, before: Points | None = None
+    ) -> tuple[Indices, Points]:
+        """Moved points of the wall (k,) and where they are, mm, with all that goes along with them.
+
+        Parameters
+        ----------
+        indices, coordinates : (k,) and (k, 3) arrays
+        before : (n, 3) array, optional
+            From where they moved; the points of this surface.
+        """
         mesh = self._mesh
-        if not len(mesh.copies):
-            return indices, coordinates
-        row = np.full(mesh.point_count, -1, dtype=np.int64)
-        row[indices] = np.arange(len(indices))
-        found = row[mesh.originals]
-        follows = found >= 0
-        return (
-            np.concatenate([indices, mesh.copies[follows]]),
-            np.concatenate([coordinates, coordinates[found[follows]]]),
-        )
+        if mesh.weights is not None:
+            before = self.points if before is None else before
+            shift = np.zeros((mesh.point_count, 3))
+            shift[indices] = coordinates - before[indices]
+            along = mesh.weights @ shift
+            moves = along.any(axis=1)
+            where = mesh.followers[moves]
+            indices = np.concatenate([indices, where])
+            coordinates = np.concatenate([coordinates, before[where] + along[moves]])
+        if len(mesh.copies):
+            row = np.full(mesh.point_count, -1, dtype=np.int64)
+            row[indices] = np.arange(len(indices))
+            found = row[mesh.originals]
+            follows = found >= 0
+            indices = np.concatenate([indices, mesh.copies[follows]])
+            coordinates = np.concatenate([coordinates, coordinates[found[follows]]])
+        return indices, coordinates
+
+    def with_copies(self, points: Points) -> Points:
+        """Points (n, 3), mm, of which the copies are where those are that they are copies of."""
+        points[self._mesh.copies] = points[self._mesh.originals]
+        return points
+
+    def without(self, is_apart: Flags) -> Surface:
+        """The surface without some of its triangles (m,), such as the outer side of a wall.
+
+        They are still in its `whole`, and their points go along with the nearest wall.
+        """
+        return self._with(self.points, self._mesh.without(self.points, is_apart))
 
     @property
     def topology(self) -> Topology:

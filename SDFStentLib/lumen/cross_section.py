@@ -19,7 +19,7 @@ def equivalent_diameters(
     """Diameter (n,) of the circle with the area of the lumen's cross-section, 2 sqrt(A / pi), mm.
 
     The cross-section is the smallest closed loop of the cut that has the axis point inside; other
-    vessels that the plane meets do not count.
+    vessels that the plane meets do not count. Islands in it, such as calcium, are no lumen.
 
     Parameters
     ----------
@@ -67,14 +67,18 @@ def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction:
         return float("nan")
     used, compact = np.unique(cut, return_inverse=True)
     loops = plane_section(points[used], compact.reshape(-1, 3), center, direction)
-    areas = []
-    for loop in loops:
-        if not loop.is_closed:
-            continue
-        flat = (loop.points - center) @ across(normal[None])[0].T
-        if _holds_origin(flat):
-            areas.append(_polygon_area(flat))
-    return min(areas, default=float("nan"))
+    flat = [(loop.points - center) @ across(normal[None])[0].T for loop in loops if loop.is_closed]
+    around = min(filter(_holds_origin, flat), key=_polygon_area, default=None)
+    if around is None:
+        return float("nan")
+    islands = [one for one in flat if one is not around and _holds_origin(around - one[0])]
+    # What is hollow counts once, by its outside.
+    islands = [
+        one
+        for one in islands
+        if not any(_holds_origin(other - one[0]) for other in islands if other is not one)
+    ]
+    return _polygon_area(around) - sum(map(_polygon_area, islands))
 
 
 def _holds_origin(polygon: Floats) -> bool:

@@ -91,7 +91,7 @@ class _Cuts(NamedTuple):
 def section_areas(
     points: Points, triangles: Triangles, centers: Points, normals: Points
 ) -> SectionAreas:
-    """Area of the smallest closed loop round every centre.
+    """Area of the smallest closed loop round every centre, without islands in it.
 
     It is looked for in the part of the surface near a few, then near all, then in the whole: a loop
     inside of another one is never farther away.
@@ -211,7 +211,47 @@ def _loops(cuts: _Cuts, count: int) -> _Loops:
     holds = holds[np.argsort(-area[holds], kind="stable")]
     smallest, least = np.full(count, -1), np.full(count, np.inf)
     smallest[station[holds]], least[station[holds]] = holds, area[holds]
+    others = is_closed & (area > 0) & (area < least[station]) & np.isfinite(least[station])
+    others[holds] = False
+    if others.any():
+        least -= _islands(cuts, label, np.flatnonzero(others), smallest, station, area)
     return _Loops(label, smallest, least, is_doubtful)
+
+
+def _islands(
+    cuts: _Cuts, label: Indices, loops: Indices, around: Indices, station: Indices, area: Floats
+) -> Floats:
+    """Area (n,), mm^2, that some closed loops take from the one `around` (n,) each station."""
+    taken = np.zeros(len(around))
+    first = np.full(int(label.max()) + 1, -1)
+    first[label[::-1]] = np.arange(len(label))[::-1]
+    pieces = np.argsort(label[cuts.start], kind="stable")
+    bounds = np.searchsorted(label[cuts.start][pieces], np.arange(len(first) + 1))
+    inside: dict[int, list[int]] = {}
+    for loop in loops:
+        place, outer = cuts.flat[first[loop]], around[station[loop]]
+        if _holds(cuts, pieces[bounds[outer] : bounds[outer + 1]], place):
+            inside.setdefault(int(station[loop]), []).append(int(loop))
+    for at, found in inside.items():
+        # What is hollow counts once, by its outside.
+        found.sort(key=lambda loop: -area[loop])
+        kept: list[int] = []
+        for loop in found:
+            place = cuts.flat[first[loop]]
+            if not any(_holds(cuts, pieces[bounds[k] : bounds[k + 1]], place) for k in kept):
+                kept.append(loop)
+        taken[at] = area[kept].sum()
+    return taken
+
+
+def _holds(cuts: _Cuts, pieces: Indices, place: Floats) -> bool:
+    """Whether a loop of some pieces holds a place (2,) of its plane: a ray crosses it odd times."""
+    (x, y), (next_x, next_y) = (
+        cuts.flat.take(ends[pieces], axis=0).T - place[:, None] for ends in (cuts.start, cuts.end)
+    )
+    crosses = (y > 0) != (next_y > 0)
+    along = x[crosses] - y[crosses] * (next_x - x)[crosses] / (next_y - y)[crosses]
+    return bool(np.count_nonzero(along > 0) % 2)
 
 
 def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points) -> _Cuts:

@@ -241,7 +241,7 @@ def _inputs(result: PlanResult) -> list[dict[str, Any]]:
             "file": os.fspath(surface.path),
             "sha256": surface.sha256,
             "points": len(surface.points),
-            "triangles": len(surface.triangles),
+            "triangles": surface.surface.made_of,
             "units": surface.units,
             "frame": surface.frame,
         }
