@@ -222,6 +222,12 @@ TEMPLATES = {
         "axis): no closed cross-section of the surface lies round the axis there, or a cap cuts "
         "it off."
     ),
+    # Flow
+    "wave-not-repeated": (
+        "The last of {rows} rows does not repeat the first one: the wave was taken for a cycle of "
+        "as many steps, {cycle_s:.4g} s; tell its length{cycle} if that is another."
+    ),
+    "wave-beats": "{beats} beats of {cycle_s:.4g} s are alike; their average was taken.",
     # The picture
     "picture-missing": "{reason}",
 }
@@ -250,7 +256,7 @@ GRAVEST = (
 )
 """Kinds that come first where not all are told; others follow as they came."""
 
-NO_REMEDIES = {"to": "", "straighten": "", "units": ""}
+NO_REMEDIES = {"to": "", "straighten": "", "units": "", "cycle": ""}
 
 
 @dataclass(frozen=True)

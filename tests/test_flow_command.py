@@ -1,6 +1,7 @@
 """Flow before and after on the synthetic patient: the command, and plans that know a flow."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -118,6 +119,91 @@ def test_a_solver_that_dies_leaves_nothing(flow, capsys, monkeypatch):
     assert flow("--wave", "wave.csv", "--json", "f.json") == 2
     assert "svzerod: expected an answer, got exit code 9" in capsys.readouterr().err
     assert [one.name for one in Path().iterdir()] == ["wave.csv"]
+
+
+STILL = "time_s,flow_mL/s\n0,0\n0.2,100\n0.4,0\n0.8,0\n"
+"""In diastole: the commonest wave of a pulmonary artery."""
+
+
+@pytest.mark.parametrize("has_solver", [True, False])
+def test_a_wave_that_stands_still_is_told_in_every_door(
+    flow, patient, capsys, monkeypatch, recwarn, has_solver
+):
+    if not has_solver:
+        monkeypatch.setattr("SDFStentLib.plan.run.has_svzerod", lambda: False)
+    Path("wave.csv").write_text(STILL, encoding="utf-8")
+    known = [
+        "--wave",
+        "wave.csv",
+        "--mean-flow",
+        "12mL/s",
+        "--inlet-pressure",
+        "30",
+        "--wedge",
+        "10",
+    ]
+    vessel = [str(patient / "surface.vtp"), "--centerline", str(patient / "centerline.vtp")]
+    stent = ["--center", "-4", "0", "29", "--diameter", "7", "--length", "14"]
+    kept = ["--save-plan", "p.json", "--report", "d.json", "--report", "d.html"]
+    assert flow("--plan", flow.plan, *known, "--json", "f.json", "--report", "f.html") == 0
+    assert main(["deploy", *vessel, *stent, *known, "-o", "s.vtp", *kept]) == 0
+    assert main(["run", "p.json", "-o", "out"]) == 0
+    assert main(["compare", "p.json", flow.plan, "-o", "c.html"]) == 0
+    said = capsys.readouterr()
+    line = "mean 12, peak 48 mL/s, regurgitant fraction 0 %, a cycle of 0.8 s, 75 beats/min"
+    pages = [Path(name).read_text(encoding="utf-8") for name in ("f.html", "d.html", "c.html")]
+    for told in (said.out, *pages, Path("out/report.html").read_text(encoding="utf-8")):
+        assert line in told
+        assert not re.search(r"\bnan\b|\bNone\b|-> %|\binf\b", told)
+    assert not [one for one in recwarn if issubclass(one.category, RuntimeWarning)]
+    for document in (read("f.json"), read("d.json")["flow"], read("out/report.json")["flow"]):
+        for state in (document["before"], document["after"]):
+            shares = [band["value"] for band in state["mean"]["share"].values()]
+            assert sum(shares) == pytest.approx(1)
+            assert all(
+                0 < band["low"] < band["high"] < 1 for band in state["mean"]["share"].values()
+            )
+    assert read("f.json")["known"]["wave"] == pytest.approx(
+        {"cycle_s": 0.8, "rate_per_min": 75, "regurgitant_fraction": 0}
+    )
+
+
+def test_what_is_unusual_is_carried_out_where_it_is_said_to_be_meant(a_folder, capsys):
+    rows = "time_s,flow_mL/s\n0,1\n80,7\n400,1\n800,1\n"
+    Path("wave.csv").write_text(rows, encoding="utf-8")
+    assert deploy("--wave", "wave.csv", "--save-plan", "p.json") == 2
+    assert "0.075 beats/min" in capsys.readouterr().err
+    assert not Path("p.json").exists()
+    assert main(["flow", *TUBE, "--mean-flow", "41.7L/min"]) == 2
+    assert "or tell that it is meant so (--unusual-flow)." in capsys.readouterr().err
+    assert main(["flow", *TUBE, "--mean-flow", "41.7L/min", "--unusual-flow"]) == 0
+    assert deploy("--wave", "wave.csv", "--unusual-flow", "--save-plan", "p.json") == 0
+    assert load_plan("p.json").flow.unusual
+    jsonschema.validate(read("p.json"), SCHEMA)
+    assert main(["run", "p.json", "-o", "out"]) == 0
+    document = read("p.json")
+    del document["flow"]["unusual"]
+    Path("q.json").write_text(json.dumps(document), encoding="utf-8")
+    capsys.readouterr()
+    assert main(["run", "q.json", "-o", "out2"]) == 2
+    assert 'meant so ("unusual": true in the flow of a plan).' in capsys.readouterr().err
+
+
+def test_a_cycle_is_told_and_how_rows_were_taken_is_said(a_folder, capsys):
+    rows = ["time_ms,flow_mL/min"]
+    rows += [f"{40 * k},{max(0, 900 * (1 - abs(k - 4) / 4))}" for k in range(20)]
+    Path("wave.csv").write_text("\n".join(rows), encoding="utf-8")
+    assert main(["flow", *TUBE, "--wave", "wave.csv"]) == 0
+    said = capsys.readouterr()
+    assert "wave.csv: The last of 20 rows does not repeat the first one" in said.err
+    assert "tell its length (--cycle T) if" in said.err
+    assert "mean 3, peak 15 mL/s" in said.out
+    assert main(["flow", *TUBE, "--wave", "wave.csv", "--cycle", "1s"]) == 0
+    said = capsys.readouterr()
+    assert "mean 2.4, peak 15 mL/s, regurgitant fraction 0 %, a cycle of 1 s, 60 beats" in said.out
+    assert "rows" not in said.err
+    assert main(["flow", *TUBE, "--mean-flow", "40mL/s", "--cycle", "1s"]) == 2
+    assert "--cycle: expected a --wave beside it" in capsys.readouterr().err
 
 
 def test_without_svzerod_a_wave_is_taken_as_steady_flows_and_said_so(flow, capsys, monkeypatch):

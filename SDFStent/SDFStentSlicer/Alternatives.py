@@ -35,6 +35,7 @@ COPIED = (
     "flowMean",
     "flowPeak",
     "flowWave",
+    "flowUnusual",
     "inletPressure",
     "wedgePressure",
     "splitRight",

@@ -64,6 +64,7 @@ def knownOf(parameterNode):
         inlet=parameterNode.inletPressure if hasPressures else None,
         wedge=parameterNode.wedgePressure if hasPressures else None,
         split_right=parameterNode.splitRight / 100 or None,
+        unusual=parameterNode.flowUnusual,
     )
 
 
@@ -88,9 +89,10 @@ def valuesOf(plan):
     known = plan.flow
     if known is None:
         names = ("flowMean", "flowPeak", "inletPressure", "wedgePressure", "splitRight")
-        return {**dict.fromkeys(names, 0.0), "flowWave": ""}
+        return {**dict.fromkeys(names, 0.0), "flowWave": "", "flowUnusual": False}
     wave = known.wave
     return {
+        "flowUnusual": known.unusual,
         "flowWave": "" if wave is None else json.dumps([wave.time, wave.flow]),
         "flowMean": known.mean / ML_PER_S,
         "flowPeak": (known.most or 0.0) / ML_PER_S,

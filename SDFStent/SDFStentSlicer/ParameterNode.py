@@ -224,6 +224,8 @@ class SDFStentParameterNode:
     splitRight: Annotated[float, _within("splitRight")] = 0.0
     flowWave: str = ""
     """That of a plan, as JSON, its times and flows; it counts while mean and peak are its own."""
+    flowUnusual: bool = False
+    """Whether a plan says that a heart rate or a flow beyond the usual ones is meant so."""
     rightBranch: str = ""
     """A place in it, mm in RAS, as JSON, once the flow was found."""
     showStents: bool = True

@@ -23,6 +23,8 @@ _REMEDIES = (
     ("one_unit", "units", " (--units cm, for example)"),
     ("centerline", "centerline", " (--centerline)"),
     ("right", "right", " (--right X Y Z)"),
+    ("cycle", "cycle", " (--cycle T)"),
+    ("unusual", "unusual_flow", " (--unusual-flow)"),
     ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
     ("straighten", "straightening_fraction", " (--straighten F)"),
     ("foreshortening", "foreshortening", " (--foreshortening F)"),

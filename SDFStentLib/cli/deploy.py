@@ -70,7 +70,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
         outputs.add(options.save_plan, lambda path: job.write_plan(path, options.save_plan))
     job.add_common()
 
-    method = replace(method_of(options), flow=known_of(options))
+    method = replace(method_of(options), flow=known_of(options, console))
     if options.export_0d and method.flow is None:
         raise no_flow()
     inputs = inputs_of(options)

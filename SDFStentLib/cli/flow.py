@@ -64,7 +64,7 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
     plan = _plan(options)
     if plan is not None:
         console.units = plan.units
-    known = known_of(options, console.units)
+    known = known_of(options, console)
     if known is None:
         raise no_flow()
     read = [options.surface, options.centerline, options.plan, options.wave, options.names]
@@ -145,7 +145,7 @@ def simulate_command(options: argparse.Namespace, console: Console) -> int:
     if options.read is not None:
         results = _results([Path(options.read) / DOCUMENT], options, document)
         return _tell_results(Path(options.read), results, document, console)
-    known = known_of(options)
+    known = known_of(options, console)
     if known is None:
         raise no_flow()
     read = [options.surface, options.after, options.centerline, options.wave, options.names]

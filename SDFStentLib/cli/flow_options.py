@@ -6,10 +6,20 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from ..flow import FlowAnswer, Known, flow_value, known_flow, networks_of, read_wave
+from ..flow import (
+    FlowAnswer,
+    Known,
+    Wave,
+    flow_value,
+    known_flow,
+    networks_of,
+    read_wave,
+    time_value,
+)
 from ..report import document_json
 from ..surface_formats import FORMATS_IN_WORDS
 from ..validation import InputError, as_place
+from .console import Console
 from .option_table import ACCEPTANCE, NAMES, ROOT, SURFACE, TALK, UNITS, VERBOSE, add_table
 from .outputs import Outputs
 from .place import in_mm
@@ -53,7 +63,9 @@ def add_known(command: argparse.ArgumentParser) -> None:
         """\
 --mean-flow Q  with its unit, such as 41.7mL/s or 2.5L/min
 --peak-flow Q  told apart from the mean
---wave F  CSV of one cycle, rows of s and flow under a header with the unit; scaled to --mean-flow
+--wave F  CSV of a cycle, rows of time and flow under a header with units; scaled to --mean-flow
+--cycle T  its length, such as 0.8s, where the rows of --wave do not tell that
+--unusual-flow  a heart rate or a mean flow beyond the usual ones is meant so
 --inlet-pressure P  mean in the main artery, mmHg
 --wedge W  mean pressure beyond the lungs, mmHg
 --split-right S  share of the flow to the right, such as 0.8
@@ -96,10 +108,10 @@ def add_simulate(command: argparse.ArgumentParser) -> None:
     )
 
 
-def known_of(options: argparse.Namespace, units: str | None = None) -> Known | None:
+def known_of(options: argparse.Namespace, console: Console) -> Known | None:
     """What the options tell of the patient's flow; None where they tell nothing.
 
-    A place is in `units`, by default those of the options.
+    A place is in the units of the console. How the rows of a wave were taken is said.
 
     Raises
     ------
@@ -115,15 +127,28 @@ def known_of(options: argparse.Namespace, units: str | None = None) -> Known | N
         None if text is None else flow_value(text, name)
         for text, name in ((options.mean_flow, "--mean-flow"), (options.peak_flow, "--peak-flow"))
     )
-    wave = None if options.wave is None else read_wave(options.wave, needs_unit=mean is None)
+    wave = _wave(options, console, needs_unit=mean is None)
     if mean is None and wave is None:
         if any(value is not None for value in (peak, options.right, *values.values())):
             raise no_flow()
         return None
     right = None
     if options.right is not None:
-        right = as_place(in_mm(options.right, units or options.units, "--right"))
-    return known_flow(mean, wave, peak=peak, right=right, **values)
+        right = as_place(in_mm(options.right, console.units, "--right"))
+    unusual = options.unusual_flow
+    return known_flow(mean, wave, peak=peak, right=right, unusual=unusual, **values)
+
+
+def _wave(options: argparse.Namespace, console: Console, needs_unit: bool) -> Wave | None:
+    """Of the file, with what is said of its rows."""
+    cycle = None if options.cycle is None else time_value(options.cycle, "--cycle")
+    if options.wave is None:
+        if cycle is not None:
+            raise InputError("--cycle: expected a --wave beside it, got none; give one.")
+        return None
+    wave, cautions = read_wave(options.wave, needs_unit=needs_unit, cycle=cycle)
+    console.warn([one.labeled(f"{options.wave}: ") for one in cautions])
+    return wave
 
 
 def no_flow() -> InputError:

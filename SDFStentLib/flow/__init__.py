@@ -14,11 +14,9 @@ from .blocks import Method as Method
 from .channels import Channel as Channel
 from .channels import channels_of as channels_of
 from .followed import FollowedChannels as FollowedChannels
+from .known import L_PER_MIN as L_PER_MIN
 from .known import Known as Known
-from .known import Wave as Wave
-from .known import flow_value as flow_value
 from .known import known_flow as known_flow
-from .known import read_wave as read_wave
 from .network import Network as Network
 from .network import Outlets as Outlets
 from .network import State as State
@@ -36,3 +34,7 @@ from .svzerod import has_svzerod as has_svzerod
 from .svzerod import networks_of as networks_of
 from .svzerod import solved_by_svzerod as solved_by_svzerod
 from .svzerod import svzerod_document as svzerod_document
+from .units import flow_value as flow_value
+from .units import time_value as time_value
+from .wave import Wave as Wave
+from .wave_file import read_wave as read_wave

@@ -10,7 +10,6 @@ import numpy as np
 
 from ..validation import Floats, InputError, Place, as_place
 from .blocks import (
-    PASCAL_PER_MMHG,
     PER_ML,
     Block,
     Blood,
@@ -26,7 +25,6 @@ from .known import Known
 from .network import Network, Outlets, State, steady_states, tree_of
 from .outlets import (
     NOTHING_KNOWN,
-    SAMPLES,
     SideClues,
     Sides,
     fitted_outlets,
@@ -34,7 +32,8 @@ from .outlets import (
     sides_of,
 )
 from .profiles import bends_of
-from .spans import Part, Piece, Ways, drops_over
+from .seen import Case, Seen
+from .spans import Part, Ways
 
 USUAL = Method()
 
@@ -53,6 +52,9 @@ UNCERTAIN = (
     ("diameters", (USUAL._replace(wider=-0.1), USUAL._replace(wider=0.1))),
 )
 """What is uncertain, and how far to both sides; sources in docs/flow.md."""
+
+HALVINGS = 6
+"""Of a range of which the known pressures allow a part."""
 
 Solve = Callable[[Network, Outlets, Known], "tuple[Floats, Floats]"]
 """Inlet pressures (t,), Pa, and flows (t, n), m^3/s, through the blocks over a cycle."""
@@ -164,46 +166,66 @@ class FlowModel:
             turns_of(channels, self._widths),
             bends_of(channels, self._widths),
         )
+        self._flows, self._weights = _flows(known)
         self._blocks: dict[float, tuple[Block, ...]] = {}
         self._usual = self._case(USUAL)
-        self._wave_before: _Seen | None = None
+        self._wave_before: Seen | None = None
 
     @cached_property
-    def _others(self) -> list[tuple[_Case, _Case]]:
+    def _others(self) -> list[tuple[Case, Case]]:
         """To both sides of the usual one."""
-        return [(self._case(low), self._case(high)) for _, (low, high) in UNCERTAIN]
+        return [(self._possible(low), self._possible(high)) for _, (low, high) in UNCERTAIN]
 
-    def _case(self, method: Method) -> _Case:
+    def _possible(self, method: Method) -> Case:
+        """The case of a method, or of the farthest on the way to it that the known pressures allow.
+
+        Where all of a range would cost more than they leave, the patient tells that not all of it
+        is true.
+        """
+        try:
+            return self._case(method)
+        except InputError:
+            found, near, far = self._usual, 0.0, 1.0
+        for _ in range(HALVINGS):
+            part = (near + far) / 2
+            try:
+                found, near = self._case(USUAL.towards(method, part)), part
+            except InputError:
+                far = part
+        return found
+
+    def _case(self, method: Method) -> Case:
         weights, wider = self._diameters**method.power, method.wider
         if wider not in self._blocks:
             self._blocks[wider] = blocks_of(self.channels, self._widths, self._stream, wider)
         network = Network(self._blocks[wider], self._tree, method)
         outlets = fitted_outlets(network, weights, self._sides, self.known)
-        return _Case(network, outlets)
+        return Case(network, outlets)
 
     @cached_property
-    def _cases(self) -> list[_Case]:
+    def _cases(self) -> list[Case]:
         """The usual one first."""
         return [self._usual, *(case for pair in self._others for case in pair)]
 
     @cached_property
-    def _before(self) -> _Seen:
+    def _before(self) -> Seen:
         """Before treatment: the same for every stent that is tried."""
         return self._seen([case.network for case in self._cases])
 
-    def _after(self, channels: Sequence[Channel]) -> _Seen:
+    def _after(self, channels: Sequence[Channel]) -> Seen:
         """The same with the channels after treatment."""
         widths = widths_of(channels, (self.channels, self._widths))
-        blocks = {one: blocks_of(channels, widths, self._stream, one) for one in self._blocks}
         each = [case.network for case in self._cases]
+        wider = dict.fromkeys(one.method.wider for one in each)
+        blocks = {one: blocks_of(channels, widths, self._stream, one) for one in wider}
         return self._seen([one._replace(blocks=blocks[one.method.wider]) for one in each])
 
-    def _seen(self, networks: Sequence[Network]) -> _Seen:
+    def _seen(self, networks: Sequence[Network]) -> Seen:
         """Networks by case at all flows into them, which are solved at once."""
-        flows = (PER_ML * _flows(self.known)).tolist()
+        flows = (PER_ML * self._flows).tolist()
         both = zip(self._cases, networks, strict=True)
         questions = [(one, case.outlets, q) for case, one in both for q in flows]
-        return _Seen(self._sides, networks, steady_states(questions))
+        return Seen(self._sides, networks, steady_states(questions))
 
     def answer(
         self,
@@ -225,16 +247,18 @@ class FlowModel:
         solve = None if known.wave is None else solve
         ways = [self._ways.pieces_along(part.line, part.before) for part in parts]
         seen = [self._before] if after is None else [self._before, self._after(after)]
-        told = np.stack([one.moments(known, ways) for one in seen], axis=1)
+        told = np.stack([one.moments(known, ways, self._weights) for one in seen], axis=1)
         value = told[0]
         low, high = _reach(told)
         networks = tuple(one.usual for one in seen)
         if solve is not None:
             solved = [self._solved(solve, one) for one in networks]
-            value = np.concatenate([one.moments(known, ways, is_even=True) for one in solved])
+            value = np.concatenate([one.moments(known, ways) for one in solved])
         lowest = value - low
-        # No part of a vessel gives back what is lost, but where blood flows back.
-        lowest[..., 3:] = np.maximum(lowest[..., 3:], np.minimum(value[..., 3:], 0.0))
+        # No part of a vessel gives back what is lost, but over a wave in which blood runs back.
+        is_bound = np.array([known.wave is None or known.wave.back == 0, True])
+        floor = np.where(is_bound, 0.0, -np.inf)[: value.shape[1], None]
+        lowest[..., 3:] = np.maximum(lowest[..., 3:], np.minimum(value[..., 3:], floor))
         spread = np.stack([value, lowest, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         moments = [dict(zip(names, map(self._moment, state), strict=True)) for state in spread]
@@ -250,14 +274,14 @@ class FlowModel:
             known.wave is not None and solve is None,
         )
 
-    def _solved(self, solve: Solve, network: Network) -> _Seen:
+    def _solved(self, solve: Solve, network: Network) -> Seen:
         """Over the wave; that before treatment is the same for every stent that is tried."""
         is_before = network is self._usual.network
         if is_before and self._wave_before is not None:
             return self._wave_before
         inlets, through = solve(network, self._usual.outlets, self.known)
         states = [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
-        solved = _Seen(self._sides, [network], states)
+        solved = Seen(self._sides, [network], states)
         if is_before:
             self._wave_before = solved
         return solved
@@ -273,65 +297,12 @@ class FlowModel:
         )
 
 
-def _flows(known: Known) -> Floats:
-    """At which a vessel is looked at (t,), mL/s: the mean and the peak, of a wave the peak last."""
+def _flows(known: Known) -> tuple[Floats, Floats | None]:
+    """At which a vessel is looked at (t,), mL/s, and of those of a wave, but the last, the weights.
+
+    They are the mean and the peak; of a wave those that stand for its cycle, and the peak.
+    """
     if known.wave is not None:
-        return np.append(known.wave.sampled(SAMPLES), known.wave.peak)
-    return np.array([known.mean] if known.peak is None else [known.mean, known.peak])
-
-
-class _Case(NamedTuple):
-    """A vessel's network and outlets by one method, before treatment."""
-
-    network: Network
-    outlets: Outlets
-
-
-class _Seen:
-    """The networks of some cases at some flows into them; their states follow case by case."""
-
-    def __init__(
-        self, sides: Sides | None, networks: Sequence[Network], states: Sequence[State]
-    ) -> None:
-        self.usual = networks[0]
-        self._shape = len(networks), len(states) // len(networks)
-        self._networks = [one for one in networks for _ in range(self._shape[1])]
-        self._flows = np.array([one.flow for one in states])
-        self._drops: dict[tuple[Piece, ...], Floats] = {}
-        into = self._flows[:, 0]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            shares = (
-                np.full((len(states), 2), np.nan)
-                if sides is None
-                else self._flows[:, sides.blocks] / into[:, None]
-            )
-        inlets = np.array([one.inlet for one in states]) / PASCAL_PER_MMHG
-        self._head = np.column_stack([inlets, shares])
-        self._into = into.reshape(self._shape)
-
-    def _drop(self, pieces: tuple[Piece, ...]) -> Floats:
-        """Over a part, of all states (c * t, 2), mmHg."""
-        known = self._drops.get(pieces)
-        if known is None:
-            known = drops_over(pieces, self._networks, self._flows) / PASCAL_PER_MMHG
-        return known
-
-    def moments(
-        self, known: Known, parts: Sequence[tuple[Piece, ...]], *, is_even: bool = False
-    ) -> Floats:
-        """By case, moment and quantity: inlet, both shares, and two drops for every part.
-
-        The states are those of `_flows`, or of even times of a cycle.
-        """
-        # Those of this answer are kept: lesions are asked for again, a stent elsewhere is not.
-        self._drops = {pieces: self._drop(pieces) for pieces in parts}
-        every = np.hstack([self._head, *map(self._drop, parts)]).reshape(*self._shape, -1)
-        if known.wave is None:
-            return every
-        cycle = slice(None if is_even else SAMPLES)
-        averaged = every[:, cycle].mean(axis=1)
-        # Of the flow to a side counts how much goes there in a cycle.
-        flow = self._into[:, cycle, None]
-        averaged[:, 1:3] = (every[:, cycle, 1:3] * flow).sum(axis=1) / flow.sum(axis=1)
-        peak = int(np.argmax(self._into[0]))
-        return np.stack([averaged, every[:, peak]], axis=1)
+        flows, weights = known.wave.spread()
+        return np.append(flows, known.wave.peak), weights
+    return np.array([known.mean] if known.peak is None else [known.mean, known.peak]), None

@@ -64,6 +64,13 @@ class Method(NamedTuple):
     turned: float = 0.5
     """Part of the speed's energy across a branch that is lost: all at sharp corners."""
 
+    def towards(self, other: Method, part: float) -> Method:
+        """A part of the way to another method."""
+        (*_, viscosity), *own = self
+        (*_, to), *others = other
+        thick = self.blood._replace(viscosity=viscosity + part * (to - viscosity))
+        return Method(thick, *(a + part * (b - a) for a, b in zip(own, others, strict=True)))
+
 
 class Block(NamedTuple):
     """The shape of one vessel of the network, in SI units; the arrays (n,) are along its stations.

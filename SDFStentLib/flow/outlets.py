@@ -22,8 +22,8 @@ pulmonary artery of the anatomies, 20 % of the flow, is above it, and side branc
 FIRM = 1e4
 """Without pressures outlets resist so many times more than the vessel: their shares are fixed."""
 
-SAMPLES = 24
-"""Flows of a wave at which pressures are averaged."""
+NOTHING = 1e-6
+"""Of the pressure that is known: outlets that cost no more at the mean flow cost nothing."""
 
 
 class SideClues(NamedTuple):
@@ -163,68 +163,119 @@ def fitted_outlets(network: Network, weights: Floats, sides: Sides | None, known
     is_right = _of_the_right(len(weights), sides, known)
     shares = outlet_shares(weights, sides, known)
     flow = PER_ML * known.mean
-    firm = _firm(network, shares, flow)
     if not known.has_pressures:
-        return firm
-    assert known.inlet is not None
-    assert known.wedge is not None
-    whole = PASCAL_PER_MMHG * (known.inlet - known.wedge)
-    lost = lost_to(network, steady(network, firm, flow).flow)[network.tree.outlets]
-    groups = [group for group in (~is_right, is_right) if group.any()]
-    left = [float(whole - np.average(lost[one], weights=shares[one])) for one in groups]
-    if min(left) <= 0:
-        raise _contradiction(known, whole - min(left))
-    return _fitted(network, shares, is_right, left, known)
+        most = flow if known.wave is None else PER_ML * np.abs(known.wave.flow).max()
+        return _firm(network, shares, flow, most)
+    fit = _Fit(network, shares, is_right, known)
+    lost = lost_to(network, steady(network, _firm(network, shares, flow, flow), flow).flow)
+    lost = lost[network.tree.outlets]
+    left = [float(fit.whole - np.average(lost[one], weights=shares[one])) for one in fit.groups]
+    return fit.outlets(fit.factors(left))
 
 
-def _fitted(
-    network: Network, shares: Floats, is_right: Flags, left: Sequence[float], known: Known
-) -> Outlets:
-    """By a root search for the factors of the two groups."""
-    # Late: scipy costs what a first frame should not pay.
-    from scipy.optimize import root
+class _Fit:
+    """Factors of the resistances of one or two groups of outlets, the right ones last: the pressure
+    that they take of the mean flow, Pa, as a logarithm."""
 
-    assert known.inlet is not None
-    assert known.wedge is not None
-    pressure, split = known.inlet, known.split_right or 0.0
-    groups = [g for g in (~is_right, is_right) if g.any()]
-    flow = PER_ML * known.mean
-    flows = flow if known.wave is None else PER_ML * known.wave.sampled(SAMPLES)
-    wedge = PASCAL_PER_MMHG * known.wedge
+    def __init__(self, network: Network, shares: Floats, is_right: Flags, known: Known) -> None:
+        assert known.inlet is not None
+        assert known.wedge is not None
+        self._network, self._shares, self._is_right = network, shares, is_right
+        self._known, self._inlet, self._wedge = known, known.inlet, PASCAL_PER_MMHG * known.wedge
+        self.whole = PASCAL_PER_MMHG * (known.inlet - known.wedge)
+        self.groups = [g for g in (~is_right, is_right) if g.any()]
+        if known.wave is None:
+            self._flows, self._weights = np.array([known.mean]), np.ones(1)
+        else:
+            self._flows, self._weights = known.wave.spread()
 
-    def outlets(factors: Floats) -> Outlets:
-        resistance = 1 / (flow * shares)
-        for group, factor in zip(groups, factors, strict=True):
+    def outlets(self, factors: Floats) -> Outlets:
+        resistance = 1 / (PER_ML * self._known.mean * self._shares)
+        for group, factor in zip(self.groups, factors, strict=True):
             resistance[group] *= np.exp(factor)
-        return Outlets(resistance, wedge)
+        return Outlets(resistance, self._wedge)
 
-    def missed(factors: Floats) -> Floats:
-        at = outlets(factors)
-        found = steady_states([(network, at, float(one)) for one in np.atleast_1d(flows)])
-        inlet = np.mean([one.inlet for one in found]) / PASCAL_PER_MMHG
-        wrong = [float(inlet) / pressure - 1]
-        if len(groups) > 1:
-            to_right = sum(one.flow[network.tree.outlets][is_right].sum() for one in found)
-            wrong.append(float(to_right / np.sum(flows)) - split)
+    def missed(self, factors: Floats) -> Floats:
+        """Of the pressure at the inlet, over it, and of the split."""
+        at = self.outlets(factors)
+        flows = PER_ML * self._flows
+        found = steady_states([(self._network, at, float(one)) for one in flows])
+        inlet = self._weights @ [one.inlet for one in found] / PASCAL_PER_MMHG
+        wrong = [float(inlet) / self._inlet - 1]
+        if len(self.groups) > 1:
+            ends = self._network.tree.outlets
+            right = [one.flow[ends][self._is_right].sum() for one in found]
+            split = self._weights @ right / (self._weights @ flows)
+            wrong.append(float(split) - (self._known.split_right or 0.0))
         return np.array(wrong)
 
-    found = root(missed, np.log(left), tol=1e-10)
-    if np.abs(missed(found.x)).max() > 1e-6:
-        raise _contradiction(known, PASCAL_PER_MMHG * (known.inlet - known.wedge) - min(left))
-    return outlets(found.x)
+    def factors(self, left: Sequence[float]) -> Floats:
+        """That miss nothing.
+
+        From what the vessel leaves of the pressure at the mean flow, Pa, where it leaves some; a
+        wave may cost far more than its mean flow, and less with other shares.
+        """
+        # Late: scipy costs what a first frame should not pay.
+        from scipy.optimize import root
+
+        if min(left) > 0:
+            found = np.asarray(root(self.missed, np.log(left), tol=1e-10).x)
+            if np.abs(self.missed(found)).max() <= 1e-6:
+                return found
+        return self._between()
+
+    def _between(self) -> Floats:
+        """By halving: the pressure at the inlet rises with the resistance of every outlet."""
+        from scipy.optimize import brentq
+
+        ends = np.log([NOTHING * self.whole, self.whole / min(map(self._share_of, self.groups))])
+
+        def both(factor: float) -> Floats:
+            """The factors with the known split, of which the first is given."""
+            if len(self.groups) == 1:
+                return np.array([factor])
+
+            def beside(other: float) -> float:
+                return float(self.missed(np.array([factor, other]))[1])
+
+            low, high = map(float, ends)
+            if beside(low) <= 0:
+                return np.array([factor, low])
+            # Ends: nothing flows where that resists ever more.
+            while beside(high) > 0:
+                high += 2
+            return np.array([factor, brentq(beside, low, high)])
+
+        def above(factor: float) -> float:
+            wrong = self.missed(both(factor))
+            # Too little goes to the right, whatever that resists: the others resist too little.
+            return -1.0 if len(wrong) > 1 and wrong[1] < -1e-6 else float(wrong[0])
+
+        low, high = map(float, ends)
+        found = both(low if above(low) > 0 else brentq(above, low, high, xtol=1e-12))
+        missed = self.missed(found)
+        if np.abs(missed).max() > 1e-6:
+            raise self._contradiction(self.whole + PASCAL_PER_MMHG * self._inlet * float(missed[0]))
+        return found
+
+    def _share_of(self, group: Flags) -> float:
+        return float(self._shares[group].sum())
+
+    def _contradiction(self, lost: float) -> InputError:
+        known = self._known
+        split = (
+            "" if known.split_right is None else f" with {100 * known.split_right:g} % to the right"
+        )
+        what = "" if known.wave is None else "a wave of "
+        return InputError(
+            f"pressures: expected more than the vessel itself costs, got {known.inlet:g} at the "
+            f"inlet and {known.wedge:g} mmHg beyond the lungs, where {what}{known.mean:.3g} mL/s"
+            f"{split} cost about {lost / PASCAL_PER_MMHG:.1f} mmHg on the way to the outlets; "
+            "correct flow, split or pressures."
+        )
 
 
-def _firm(network: Network, shares: Floats, flow: float) -> Outlets:
-    """Outlets that share the flow whatever the vessel costs."""
-    lost = lost_to(network, flow * (network.tree.leads_to @ shares)).max()
+def _firm(network: Network, shares: Floats, flow: float, most: float) -> Outlets:
+    """Outlets that share up to so much flow whatever the vessel costs."""
+    lost = lost_to(network, most * (network.tree.leads_to @ shares)).max()
     return Outlets(FIRM * max(float(lost), 1.0) / (flow * shares), 0.0)
-
-
-def _contradiction(known: Known, lost: float) -> InputError:
-    split = "" if known.split_right is None else f" with {100 * known.split_right:g} % to the right"
-    return InputError(
-        f"pressures: expected more than the vessel itself costs, got {known.inlet:g} at the inlet "
-        f"and {known.wedge:g} mmHg beyond the lungs, where {known.mean:.3g} mL/s{split} cost about "
-        f"{lost / PASCAL_PER_MMHG:.1f} mmHg on the way to the outlets; correct flow, split or "
-        "pressures."
-    )

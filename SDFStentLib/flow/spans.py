@@ -31,8 +31,9 @@ class Drop(NamedTuple):
     that comes in would lose anyway is of the narrowing before; a part that spares some of that
     costs nothing."""
     maximal: float
-    """Of the static pressure from its start to its lowest place, no less than the recovered one: a
-    fast stream at the start, as in front of an ostium, has a lower pressure there already."""
+    """Of the static pressure from where blood comes in to its lowest place, no less than the
+    recovered one: a fast stream at the start, as in front of an ostium, has a lower pressure there
+    already."""
 
 
 class Part(NamedTuple):
@@ -114,7 +115,14 @@ def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
 
 
 def drops_over(pieces: Sequence[Piece], networks: Sequence[Network], flows: Floats) -> Floats:
-    """The fields of `Drop` (c, 2) in networks of one tree at flows (c, n) through their blocks."""
+    """The fields of `Drop` (c, 2) in networks of one tree at flows (c, n) through their blocks.
+
+    Flow that runs back costs what the same flow forwards does, with the other sign, as it does in
+    the network.
+    """
+    # Which way most of it runs in the part.
+    sense = np.where(flows[:, [one.block for one in pieces]].sum(axis=1) < 0, -1.0, 1.0)[:, None]
+    flows = sense * flows
     methods = [one.method for one in networks]
     given = [(*one.blood, one.loss, one.divided, one.turned) for one in methods]
     density, viscosity, loss, divided, turned = np.array(given).T[..., None]
@@ -142,7 +150,7 @@ def drops_over(pieces: Sequence[Piece], networks: Sequence[Network], flows: Floa
     at_ends = left[-1][:, 1:] - left[0][:, :1]
     recovered = np.maximum(total + at_ends, np.minimum(total, 0.0))
     lowest = (below - below[:, :1]).max(axis=1, keepdims=True)
-    return np.hstack([recovered, np.maximum(lowest, recovered)])
+    return sense * np.hstack([recovered, np.maximum(lowest, recovered)])
 
 
 def _between(values: Floats, start: float, end: float) -> Floats:
@@ -167,4 +175,5 @@ def _left_in_jets(jet: Floats, area: Floats, flow: Floats, density: Floats, lost
     share = settled / jet
     widening = 2 / 3 * (1 - share**2) - 10 / 3 * (1 - share) - 2 * np.log(share)
     spared = density * (np.abs(flow) / area) * (flow / area) * widening
-    return np.asarray(lost / 2 * (flow * (jet - settled)) ** 2 - spared)
+    excess = flow * (jet - settled)
+    return np.asarray(lost / 2 * (excess * np.abs(excess)) - spared)

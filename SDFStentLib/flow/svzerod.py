@@ -19,12 +19,10 @@ from ..validation import DeploymentError, Floats
 from .answer import FlowAnswer
 from .known import Known
 from .network import Network, Outlets
+from .wave import STEPS
 
 CYCLES = 3
 """The last one is told; nothing in a network with rigid walls remembers longer."""
-
-STEPS = 100
-"""Of a cycle."""
 
 TIME_LIMIT = 600.0
 """s, for a solver that takes less than one for a hundred outlets."""
@@ -55,6 +53,7 @@ def svzerod_document(
 ) -> dict[str, Any]:
     """All that `svzerod.simulate` needs, in cgs: mL/s, dyn/cm^2, dyn s/cm^5; steady or a wave."""
     wave = known.wave
+    steps = STEPS if wave is None else wave.steps
     time = [0.0, 1.0] if wave is None else list(wave.time)
     flow = [known.mean] * 2 if wave is None else list(wave.flow)
     ends = network.tree.outlets.tolist()
@@ -64,7 +63,7 @@ def svzerod_document(
         "description": {"notice": notice, "units": "cgs", "pressure": "total"},
         "simulation_parameters": {
             "number_of_cardiac_cycles": CYCLES,
-            "number_of_time_pts_per_cardiac_cycle": STEPS + 1,
+            "number_of_time_pts_per_cardiac_cycle": steps + 1,
             "absolute_tolerance": max(_RESIDUAL, _ROUNDING * level),
         },
         "boundary_conditions": [

@@ -103,8 +103,10 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
 
 
 def _flow_document(known: Known, units: str) -> dict[str, Any]:
-    right = None if known.right is None else _filed(known.right, units)
-    return {**asdict(known), "right": right}
+    document = asdict(known)
+    if not document["unusual"]:
+        del document["unusual"]
+    return {**document, "right": None if known.right is None else _filed(known.right, units)}
 
 
 def _filed(point: Any, units: str) -> list[Any]:

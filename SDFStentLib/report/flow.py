@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ..flow import UNCERTAIN, Band, FlowAnswer, Moment
+from ..flow import L_PER_MIN, UNCERTAIN, Band, FlowAnswer, Moment, Wave
 from .markup import paragraph, table
 from .words import RESEARCH_USE
 
 Section = Mapping[str, Any]
-
-L_PER_MIN = 0.06
-"""In one mL/s."""
 
 FLOW_NOTE = (
     "A network of the vessel tree: friction of laminar flow in rigid elliptic sections and bends, "
@@ -55,6 +52,7 @@ def flow_section(answer: FlowAnswer) -> dict[str, Any]:
             "mean_flow_ml_s": known.mean,
             "peak_flow_ml_s": known.most,
             "is_wave": known.wave is not None,
+            "wave": known.wave and _wave(known.wave),
             "inlet_pressure_mmhg": known.inlet,
             "wedge_mmhg": known.wedge,
             "split_right": known.split_right,
@@ -63,6 +61,14 @@ def flow_section(answer: FlowAnswer) -> dict[str, Any]:
             state: moments and {name: _section(answer, name, one) for name, one in moments.items()}
             for state, moments in states.items()
         },
+    }
+
+
+def _wave(wave: Wave) -> dict[str, float]:
+    return {
+        "cycle_s": wave.cycle,
+        "rate_per_min": wave.rate,
+        "regurgitant_fraction": wave.back,
     }
 
 
@@ -173,7 +179,10 @@ def _at(moment: str, section: Section) -> str:
 
 def _of_moment(section: Section, moment: str, most: int | None) -> Rows:
     found = [section[name][moment] for name in ("before", "after") if section[name]]
-    first, rows = found[0], []
+    first, rows = found[0], list[tuple[str, str]]()
+    wave = section["known"]["wave"]
+    if wave and moment == "mean":
+        rows.append(("wave", _wave_words(wave, section["known"])))
     if first["inlet_mmhg"]:
         rows.append(("inlet pressure", _change([one["inlet_mmhg"] for one in found], "mmHg")))
     for side in first["share"]:
@@ -187,6 +196,15 @@ def _of_moment(section: Section, moment: str, most: int | None) -> Rows:
         )
         rows.append((f"drop over {narrowing['name']}", words))
     return rows
+
+
+def _wave_words(wave: Section, known: Section) -> str:
+    """All that shows a wrong unit."""
+    return (
+        f"mean {known['mean_flow_ml_s']:.3g}, peak {known['peak_flow_ml_s']:.3g} mL/s, "
+        f"regurgitant fraction {100 * wave['regurgitant_fraction']:.0f} %, a cycle of "
+        f"{wave['cycle_s']:.3g} s, {wave['rate_per_min']:.0f} beats/min"
+    )
 
 
 def _change(bands: list[dict[str, float]], unit: str, scale: float = 1.0) -> str:
