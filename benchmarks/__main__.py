@@ -29,6 +29,7 @@ TITLES = {
     "paper": "The comparison of the paper",
     "flow": "Pressures and flows",
     "trees": "Narrowings in trees",
+    "idealized": "Idealized tubes",
 }
 RESULTS = PROJECT / "benchmarks" / "results.json"
 NEEDS_SVMORPH = ("against_svmorph",)

@@ -16,6 +16,7 @@ from SDFStentLib.files import (
     size_warnings,
 )
 from SDFStentLib.geometry import Surface
+from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.validation import InputError
 
 
@@ -99,6 +100,70 @@ def test_other_units_are_recognized_and_the_option_named(factor):
 def test_frames_units_and_other_patients_are_told_apart(line, words):
     with pytest.raises(InputError, match=f"^{words}"):
         check_same_space(Surface(*moved_tube()), line)
+
+
+@pytest.fixture(scope="module")
+def a_fork():
+    """A trunk along z and two unlike limbs, its lines through the trunk's whole length."""
+    return branching_pulmonary_artery(edge_length=1.2)
+
+
+def turned(points):
+    return points * (-1.0, -1.0, 1.0)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.25, 0.4, 0.48])
+def test_a_line_of_the_other_frame_is_refused_though_most_of_it_lies_inside(a_fork, share):
+    """The trunk lies about the axis, where both frames agree."""
+    points = a_fork.centerline.points
+    in_both = a_fork.surface.contains(turned(points))
+    assert 0 < in_both.sum() < len(points)
+    own, both = points[~in_both], points[in_both]
+    line = turned(np.concatenate([both, own])[: round(len(both) / (1 - share))])
+    assert a_fork.surface.contains(line).mean() == pytest.approx(1 - share, abs=0.02)
+    words = "inside; one is in RAS and the other in LPS .it would fit with x and y negated"
+    with pytest.raises(InputError, match=words):
+        check_same_space(a_fork.surface, line)
+
+
+@pytest.mark.parametrize("beyond", [1.1, 1.3, 1.8])
+@pytest.mark.parametrize("aside", [0.0, 0.5])
+def test_what_sticks_out_of_a_vessel_that_looks_alike_in_both_frames_is_no_reason(beyond, aside):
+    """A tube about the axis: its line is longer, and lies as well inside with x and y negated."""
+    points, triangles = open_tube()
+    z = np.linspace(-30 * (beyond - 1), 30 * (beyond + 1), 80)
+    line = np.stack([aside + 0 * z, 0.02 * z, z], axis=1)
+    (told,) = check_same_space(Surface(points + np.array([0.3, 0, 0]), triangles), line)
+    assert told.kind == "partly-outside"
+    outside = np.mean((z < 0) | (z > 60))
+    assert told.numbers["outside_percent"] == pytest.approx(100 * outside)
+
+
+def test_a_vessel_that_fits_as_well_in_another_frame_keeps_its_own():
+    """A little less of the line lies outside with x and y negated, as happens by chance."""
+    points, triangles = open_tube()
+    z = np.linspace(1.0, 59.0, 150)
+    line = np.stack([0 * z, 0 * z, z], axis=1)
+    line[:9, 0], line[9:15, 0] = -5.0, 5.0
+    surface = Surface(points + np.array([0.5, 0, 0]), triangles)
+    assert surface.contains(turned(line)).mean() > surface.contains(line).mean()
+    (told,) = check_same_space(surface, line)
+    assert told.kind == "partly-outside"
+
+
+@pytest.mark.parametrize("factor", [10, 0.1])
+def test_a_line_in_another_unit_is_refused_though_half_of_it_lies_inside(factor):
+    """Of a wide vessel that begins at the origin, where lines in cm and in mm meet."""
+    points, triangles = open_tube(radius=8.0, length=90.0)
+    z = np.r_[np.linspace(0.5, 8.9, 60), np.linspace(9.1, 89, 60)]
+    line = np.stack([0 * z, 0 * z, z], axis=1) * factor
+    inside = Surface(points, triangles).contains(line).mean()
+    if factor > 1:
+        assert inside == pytest.approx(0.5, abs=0.02)
+        with pytest.raises(InputError, match=r"different units \(it would fit 0\.1 times as large"):
+            check_same_space(Surface(points, triangles), line)
+    else:
+        assert check_same_space(Surface(points, triangles), line) == ()  # it fits as it is
 
 
 def test_the_size_of_a_vessel_is_expected():

@@ -54,6 +54,23 @@ def test_ends_to_which_no_line_leads_are_told_beside_the_lesions(host, aPanel, a
     assert "of the 3 ends of the surface no line" in aPanel.ui.lesionLabel.text
 
 
+def test_a_centerline_of_the_other_frame_is_refused_with_its_name(host, aPanel, aVessel):
+    """As of a model file that names no frame: half of it lies inside by chance."""
+    from SDFStentSlicer import Conversion
+
+    from SDFStentLib.files import polydata_from_lines
+
+    vessel, centerline = aVessel
+    points, lines, _radii = Conversion.centerlineLines(centerline)
+    centerline.SetAndObservePolyData(polydata_from_lines(points * (-1, -1, 1), lines))
+    aPanel.ui.vesselSelector.setCurrentNode(vessel)
+    aPanel.ui.centerlineSelector.setCurrentNode(centerline)
+    assert found(host, aPanel) == ()
+    said = aPanel.ui.lesionLabel.text
+    assert said.startswith(f"{centerline.GetName()}: expected it inside {vessel.GetName()}")
+    assert "one is in RAS and the other in LPS" in said
+
+
 def test_a_click_goes_to_the_lesion_in_slices_and_3d(host, theInputs, aScene):
     camera = aScene.AddNewNodeByClass("vtkMRMLCameraNode")
     sliceNode = aScene.AddNewNodeByClass("vtkMRMLSliceNode")

@@ -153,6 +153,16 @@ def plateaus_of(run: VesselRun, length: float = PLATEAU) -> Plateaus:
     return Plateaus(*(column[is_healthy] for column in (*ends, narrowest, usual)))
 
 
+def tapers(plateaus: Plateaus, way: int) -> Floats:
+    """By which share per mm (n,) those are narrower that follow plateaus; 0 where none does."""
+    middle, width = (plateaus.start + plateaus.end) / 2, plateaus.usual
+    following = np.abs(middle - (middle - way * PLATEAU * width)[:, None]).argmin(axis=1)
+    apart = np.abs(middle[following] - middle)
+    falls = np.maximum(1 - width[following] / width, 0.0)
+    is_next = apart >= PLATEAU * width / 2
+    return np.asarray(np.divide(falls, apart, out=np.zeros(len(width)), where=is_next))
+
+
 def known_stations(run: VesselRun) -> tuple[Floats, Floats]:
     """Arc lengths (n,) and diameters (n,) of the stations at which there is one."""
     known = np.isfinite(run.diameter)
