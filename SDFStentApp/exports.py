@@ -8,6 +8,7 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
+from SDFStentLib.files import read_with_pieces
 from SDFStentLib.plan import Plan, PlanResult, load_plan, plan_text, run_plan
 from SDFStentLib.report import before_after_picture, plan_report, write_report
 from SDFStentLib.stent import InputFile
@@ -36,6 +37,8 @@ def _zipped(plan: Plan) -> bytes:
             if file is not None:
                 name = f"{role}{Path(file.path).suffix}"
                 archive.write(file.path, name)
+                for piece in read_with_pieces(file.path).pieces:
+                    archive.write(piece.path, piece.path.relative_to(Path(file.path).parent))
                 moved[role] = replace(file, path=f"/{name}")
         archive.writestr("plan.json", plan_text(replace(plan, **moved), "/"))
     return content.getvalue()

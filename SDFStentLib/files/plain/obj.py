@@ -39,19 +39,19 @@ def decode_obj(data: bytes, name: str) -> PlainMesh:
     text = "\n".join(line[line.index(b"#") :].decode("latin-1") for line in comments)
     data = _INDENT.sub(b"", _CONTINUED.sub(b" ", _COMMENT.sub(b"", data)))
     lines = data.splitlines()
-    point_rows = [line.split() for line in lines if line[:2] in (b"v ", b"v\t")]
+    point_lines = [line for line in lines if line[:2] in (b"v ", b"v\t")]
+    point_rows = [line.split()[1:4] for line in point_lines]
     face_lines = [line for line in lines if line[:2] in (b"f ", b"f\t")]
     if any(b"/" in line for line in face_lines):  # texture and normal after the point
         face_lines = re.sub(rb"/[^\s]*", b"", b"\n".join(face_lines)).split(b"\n")
     faces = [line.split()[1:] for line in face_lines]
     if not point_rows or data.find(b"\0") >= 0:
         raise InputError(f"{name}: expected an OBJ file with points (v x y z), found none.")
-    is_colored = any(len(row) >= _COLORED for row in point_rows)
+    is_colored = any(map(_has_color, point_lines))
     try:
-        if any(len(row) < 4 for row in point_rows):
+        if any(len(row) != 3 for row in point_rows):
             raise ValueError("a point of fewer")
-        coordinates = b" ".join(chain.from_iterable(row[1:4] for row in point_rows))
-        points = numbers_in(coordinates, np.float64).reshape(-1, 3)
+        points = numbers_in(b" ".join(chain.from_iterable(point_rows)), np.float64).reshape(-1, 3)
         corners = numbers_in(b" ".join(chain.from_iterable(faces)), np.int64)
     except ValueError as error:
         raise InputError(f"{name}: expected numbers after v and f, got {error}.") from error
@@ -84,6 +84,11 @@ def encode_obj(points: NDArray[np.floating], triangles: Triangles, title: str) -
     parts.append((pattern * len(points)) % tuple(points.ravel().tolist()))
     parts.append(("f %d %d %d\n" * len(triangles)) % tuple((triangles + 1).ravel().tolist()))
     return "".join(parts).encode("ascii", "replace")
+
+
+def _has_color(line: bytes) -> bool:
+    blanks = line.count(b" ") + line.count(b"\t")
+    return blanks + 1 >= _COLORED and len(line.split()) >= _COLORED
 
 
 def _from_one_or_from_the_end(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import chain
 from typing import Any
 
@@ -19,6 +19,9 @@ HEADER_SIZE = 80
 _ASCII = re.compile(
     rb"\s*solid([^\0]{,1000}?\b(facet|endsolid)\b|[^\0]*\Z)", re.IGNORECASE
 )  # the header of a binary file ends, or is followed by a number, with a null character
+_FACET_END = re.compile(rb"endfacet", re.IGNORECASE)
+_CORNER = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)\s", re.IGNORECASE)
+_PART = 2**23  # bytes
 _SPACE = re.compile(r"\bSPACE\s*=\s*(RAS|LPS)\b")
 _LONGEST_NAME = 10_000  # bytes of a line `endsolid`
 _ASCII_FACET = (
@@ -116,19 +119,17 @@ def encode_solids(
 
 
 def _decode_ascii(data: bytes, name: str) -> PlainMesh:
-    rows = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)\s", data, re.IGNORECASE)
-    facets = len(re.findall(rb"endfacet", data, re.IGNORECASE))
-    ends = re.search(rb"endsolid[^\n]*\s*$", data[-_LONGEST_NAME:], re.IGNORECASE)
-    if len(rows) != 3 * facets or not ends:
-        raise InputError(
-            f"{name}: expected STL facets of three corners and a last line 'endsolid', got "
-            f"{len(rows)} corners of {facets} facets; it is cut short, write it again."
-        )
     try:
-        coordinates = numbers_in(b" ".join(chain.from_iterable(rows)), np.float32).reshape(-1, 3)
+        coordinates = np.concatenate(list(_coordinates(data))).reshape(-1, 3)
     except ValueError as error:
         raise InputError(f"{name}: expected numbers as STL corners, got {error}.") from error
-    del rows
+    facets = len(_FACET_END.findall(data))
+    ends = re.search(rb"endsolid[^\n]*\s*$", data[-_LONGEST_NAME:], re.IGNORECASE)
+    if len(coordinates) != 3 * facets or not ends:
+        raise InputError(
+            f"{name}: expected STL facets of three corners and a last line 'endsolid', got "
+            f"{len(coordinates)} corners of {facets} facets; it is cut short, write it again."
+        )
     points, corners = _merged(coordinates)
     ids, names = _solids(data, facets)
     text = data.lstrip().split(b"\n", 1)[0].decode("latin-1")
@@ -136,9 +137,22 @@ def _decode_ascii(data: bytes, name: str) -> PlainMesh:
     return PlainMesh(points, offsets, corners, face_ids=ids, face_names=names, text=text)
 
 
+def _coordinates(data: bytes) -> Iterator[NDArray[np.float32]]:
+    """Those of all corners, a part of the text at a time: words take ten times its room."""
+    start = 0
+    # Ends: every part is one byte long at least.
+    while start < len(data):
+        facet = _FACET_END.search(data, start + _PART)
+        end = facet.end() if facet else len(data)
+        yield numbers_in(b" ".join(chain.from_iterable(_CORNER.findall(data, start, end))), "f4")
+        start = end
+
+
 def _solids(data: bytes, facets: int) -> tuple[NDArray[np.int32] | None, dict[int, str]]:
     """The solid of every facet, counted from 1, and their names; `None` where there is but one."""
-    heads = list(re.finditer(rb"^[ \t]*solid\b([^\r\n]*)", data, re.IGNORECASE | re.MULTILINE))
+    heads = list(re.finditer(rb"^[ \t]*solid([^\r\n]*)", data, re.IGNORECASE | re.MULTILINE))
+    if len(heads) < 2:
+        return None, {}
     ends = [head.start() for head in heads[1:]] + [len(data)]
     number_of: dict[str, int] = {}
     numbers, counts = [], []
@@ -147,7 +161,7 @@ def _solids(data: bytes, facets: int) -> tuple[NDArray[np.int32] | None, dict[in
         called = " ".join(title.split())
         number = number_of.setdefault(called, len(number_of) + 1) if called else 0
         numbers.append(number)
-        counts.append(len(re.findall(rb"endfacet", data[head.end() : end], re.IGNORECASE)))
+        counts.append(len(_FACET_END.findall(data, head.end(), end)))
     # Solids without a name are parts of their own, behind those with one.
     nameless = iter(range(len(number_of) + 1, len(number_of) + len(numbers) + 1))
     numbers = [number or next(nameless) for number in numbers]
