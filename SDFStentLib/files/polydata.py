@@ -67,7 +67,8 @@ def surface_from_polydata(
     if not count:
         raise InputError(f"{name}: expected at least one triangle, got none.")
     points = _coordinates(polydata)
-    points *= scale
+    with np.errstate(invalid="ignore"):
+        points *= scale
     triangles = cells.corners.reshape(-1, 3)
     is_ghost = ghosts_of_polydata(polydata, triangles)
     if is_ghost is not None and is_ghost.all():
@@ -81,7 +82,8 @@ def surface_from_polydata(
 def _coordinates(polydata: vtkPolyData) -> Points:
     if polydata.GetNumberOfPoints() == 0:
         return np.zeros((0, 3))
-    return np.array(vtk_to_numpy(polydata.GetPoints().GetData()), dtype=np.float64)
+    with np.errstate(invalid="ignore"):  # a signaling NaN; who asks for points checks them
+        return np.array(vtk_to_numpy(polydata.GetPoints().GetData()), dtype=np.float64)
 
 
 def polygons_from_polydata(polydata: vtkPolyData, name: str = "surface") -> Cells:
