@@ -187,7 +187,7 @@ def _complete(node: Any, storage: Any, surface: SurfaceFile, isRead: bool) -> No
         # As Slicer has it, a file that names no frame is in LPS.
         frame = surface.frame or "LPS"
         polyData = surface.polydata() if frame == "RAS" else _turned(surface.polydata())
-        storage.SetCoordinateSystem(storage.GetCoordinateSystemFromString(frame))
+        storage.SetCoordinateSystem(storage.GetCoordinateSystemTypeFromString(frame))
     if not hasNames:
         set_face_names(polyData, faces.names)
     node.SetAndObservePolyData(polyData)

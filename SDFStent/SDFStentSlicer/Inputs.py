@@ -21,6 +21,7 @@ from SDFStentLib.vessel import given_names
 
 from . import Conversion, Handles, Plans
 from .Lesions import LesionSearch
+from .ModelFaces import addFaces
 from .PointNormals import cornersOf
 from .Portions import inPortions, untilDone
 from .Previewing import PreviewedVessel
@@ -65,6 +66,7 @@ class Inputs:
             given = Conversion.vesselPolyData(node, segmentID)
             name = f"Vessel {node.GetName()}"
             yield None
+            yield from inPortions(lambda: addFaces(node, given))
             polyData = yield from inPortions(lambda: triangulated_polydata(given, name).polydata)
             surface = yield from inPortions(lambda: surface_from_polydata(polyData, name))
             yield from inPortions(lambda: check_joined(surface, name))
