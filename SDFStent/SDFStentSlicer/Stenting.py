@@ -1,11 +1,12 @@
 """One pass over the plan's stents on arrays: every step recorded, then measured and certified. No nodes in here."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 from slicer.i18n import tr as _
 
 from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
-from SDFStentLib.treatment import treated_lesions
+from SDFStentLib.treatment import treated_lesions, with_known_minima
 from SDFStentLib.validation import DeploymentError, InputError
 
 from .Lesions import withSections
@@ -109,6 +110,7 @@ class Stenting:
             self.lesions = yield from inPortions(
                 lambda: treated_lesions(found, result.stents, result.surface, self.surface)
             )
+            self.result = replace(result, stents=with_known_minima(result.stents, self.lesions))
             yield from inPortions(
                 lambda: withSections([one.after for one in self.lesions if one.stents])
             )

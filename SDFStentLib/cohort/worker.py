@@ -164,7 +164,7 @@ def _known(task: Task, status: str, reason: str, result: PlanResult | None) -> d
 def _rows(result: PlanResult) -> list[dict[str, Any]]:
     """A row per stent, with the flow where the plan knows of it."""
     told = {"warnings": len(result.warnings) + len(result.size_warnings)}
-    rows = [_row(row) | told for row in result.treatment.to_dict()]
+    rows = [_row(row) | told for row in result.told.to_dict()]
     if result.flow is None:
         return rows
     return [row | _row(_flow(result.flow, row["stent"])) for row in rows]

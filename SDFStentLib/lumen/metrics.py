@@ -106,6 +106,8 @@ class DiameterProfile:
     """(n,) whether the section opens into another vessel, and is cut at its ostium."""
     throats: Floats = ()  # type: ignore[assignment]
     """(k, 2) position and inscribed diameter between stations where that is smaller, mm."""
+    known: tuple[float, float] | None = None
+    """Position and inscribed diameter of the narrowest place, mm, where that is known otherwise."""
 
     def __post_init__(self) -> None:
         if not len(self.is_cut):
@@ -117,6 +119,8 @@ class DiameterProfile:
     @property
     def minimum(self) -> float:
         """Smallest inscribed diameter, also between stations, mm; NaN when there is none."""
+        if self.known is not None:
+            return self.known[1]
         return _statistic(np.min, np.append(self.inscribed_diameter, self.throats[:, 1]))
 
     @property
@@ -137,6 +141,8 @@ class DiameterProfile:
     @property
     def minimum_arc_length(self) -> float:
         """Position of the smallest inscribed diameter, mm; the first of equals."""
+        if self.known is not None:
+            return self.known[0]
         at = np.append(self.arc_length, self.throats[:, 0])
         diameters = np.append(self.inscribed_diameter, self.throats[:, 1])
         if not np.isfinite(diameters).any():

@@ -37,6 +37,7 @@ from ..treatment import (
     residual_of,
     size_cautions,
     treated_lesions,
+    with_known_minima,
 )
 from ..units import Frame, are_apart, flipped
 from ..validation import InputError, as_place, check_is_a
@@ -113,6 +114,12 @@ class PlanResult:
         if vessel.lesions is None:
             return None
         return treated_lesions(vessel.lesions, result.stents, result.surface, vessel.surface)
+
+    @cached_property
+    def told(self) -> TreatmentResult:
+        """The treatment, its narrowest places before it as the lesions there have them."""
+        stents = with_known_minima(self.treatment.stents, self.lesions)
+        return replace(self.treatment, stents=stents)
 
     @cached_property
     def residual(self) -> Residual | None:

@@ -160,7 +160,7 @@ def plan_report(
     judged = None
     if treatment.certificate is not None:
         judged = {**treatment.certificate.as_dict(units), "arrays_kept": not lost}
-    stents = [_stent_section(stent, result.lesions, units) for stent in treatment.stents]
+    stents = [_stent_section(stent, result.lesions, units) for stent in result.told.stents]
     seconds = {"read": result.inputs.seconds, **treatment.timings, **(timings or {})}
     sections = {
         "schema": SCHEMA,
@@ -179,12 +179,12 @@ def plan_report(
         "certificate": judged,
         "branches": [
             {"stent": stent.number, **branch_section(branch, lumen_into(branch, stent), units)}
-            for stent in treatment.stents
+            for stent in result.told.stents
             for branch in stent.branches
         ],
         "apposition": [
             {"stent": stent.number, **stretch}
-            for stent in treatment.stents
+            for stent in result.told.stents
             for stretch in free_stretches(stent.apposition)
         ],
         "warnings": [

@@ -44,7 +44,7 @@ class Summary(NamedTuple):
 
 def deployment_summary(result: PlanResult) -> Summary:
     """The stents, and what came of them: lumen, stenosis, branches and contact."""
-    stents = result.treatment.stents
+    stents = result.told.stents
     lines = [
         *today_sentences(result.today),
         f"{MINIMUM}: {_of_each(_final(stents), _narrowest, len(stents) > 1)}.",
@@ -60,7 +60,7 @@ def deployment_summary(result: PlanResult) -> Summary:
 def deployment_sentences(result: PlanResult) -> Iterator[str]:
     """All that is known of every stent, as the report has it."""
     yield from today_sentences(result.today)
-    for stent in result.treatment.stents:
+    for stent in result.told.stents:
         label = label_of(result.plan.stents, stent.number)
         for sentence in (
             lumen_sentence(stent),

@@ -8,6 +8,7 @@ from .lesions import Residual as Residual
 from .lesions import TreatedLesion as TreatedLesion
 from .lesions import residual_of as residual_of
 from .lesions import treated_lesions as treated_lesions
+from .lesions import with_known_minima as with_known_minima
 from .placing import placement_at as placement_at
 from .preview import Preview as Preview
 from .preview import PreviewedNumbers as PreviewedNumbers

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface
-from ..lumen import moved_wall
+from ..geometry import Line, Surface
+from ..lumen import DiameterProfile, moved_wall
 from ..validation import Place
 from ..vessel import Lesion, lesions_after, lesions_within
 from .placing import NOTICED, uncovered_length
-from .value import PlacedStent
+from .value import PlacedStent, TreatedStent
 
 _LEAST_LEFT = 0.5
 """Percent, by diameter or by area; less is told as 0 %, or as wider than the reference."""
@@ -75,6 +75,49 @@ def treated_lesions(
 def _is_left(lesion: Lesion) -> bool:
     """Whether something is left of it; areas are asked for where diameters leave that open."""
     return lesion.percent_diameter >= _LEAST_LEFT or lesion.percent_area >= _LEAST_LEFT
+
+
+def with_known_minima(
+    stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion] | None
+) -> tuple[TreatedStent, ...]:
+    """Stents whose narrowest lumen is that of the lesion there, before and after: one number.
+
+    Two searches for one place, along two lines, differ in their last digits, and in a throat of
+    rough wall in the first one.
+    """
+    return tuple(_with_known(one, lesions or ()) for one in stents)
+
+
+def _with_known(stent: TreatedStent, lesions: Sequence[TreatedLesion]) -> TreatedStent:
+    line = stent.axis.line
+    treated = [one for one in lesions if stent.number in one.stents]
+    before = _tightest_within(line, [one.before for one in treated])
+    after = _tightest_within(line, [one.after for one in treated])
+    return replace(
+        stent,
+        before=_known_at(stent.before, line, before, is_same=True),
+        after=_known_at(stent.after, line, after, is_same=False),
+    )
+
+
+def _tightest_within(line: Line, lesions: Sequence[Lesion]) -> Lesion | None:
+    """Of those whose narrowest place is known and lies between the ends of a stent."""
+    known = [one for one in lesions if not np.isnan(one.minimum_diameter)]
+    within = lesions_within(known, line, beyond=0.0)
+    return min(within, key=lambda lesion: lesion.minimum_diameter, default=None)
+
+
+def _known_at(
+    found: DiameterProfile, line: Line, lesion: Lesion | None, *, is_same: bool
+) -> DiameterProfile:
+    """A lumen with the narrowest place of a lesion where it is narrower there than it was found to
+    be, or where that is the place that was found, and `is_same`."""
+    if lesion is None:
+        return found
+    at = float(line.nearest(np.array([lesion.point])).arc_lengths[0])
+    is_told = lesion.minimum_diameter < found.minimum
+    is_told |= is_same and abs(found.minimum_arc_length - at) <= NOTICED
+    return replace(found, known=(at, lesion.minimum_diameter)) if is_told else found
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,12 @@ from .plateaus import Plateau, healthy_caliber
 from .runs import VesselRun, is_main
 
 _ASLANT = 2.0
-"""An axis that goes aslant meets the section within so many radii of its middle."""
+"""An axis that goes aslant meets the section within so many reaches of its middle."""
+
+_INNER = 0.25
+"""Healthy diameters from a narrowest place within which an axis passes it, however tight it is: in
+a throat of coarse or rough wall a sphere lies beside the line, and smoothing moves lines by half a
+millimeter."""
 
 SMALL_VESSEL = 3.0
 """Healthy diameter below which lesions come last, mm: pulmonary artery stents in the device table
@@ -178,17 +183,18 @@ def lesions_within(
 def _passes(axis: Line, lesion: Lesion, beyond: float) -> bool:
     """Whether an axis goes through a lesion's narrowest place, along its vessel.
 
-    It runs inside the sphere there and crosses the section. At a junction an axis into another
-    branch may run inside the sphere as well.
+    It runs inside the sphere there, or in the inner half of the healthy lumen, and crosses the
+    section. At a junction an axis into another branch may run inside the sphere as well.
     """
     radius, at = lesion.minimum_diameter / 2, lesion.arc_length - lesion.start
-    before, after = lesion.line.at([at - radius, at + radius])
+    reach = max(radius, _INNER * lesion.reference_diameter)
+    before, after = lesion.line.at([at - reach, at + reach])
     first, last = beyond * radius * axis.directions[[0, -1]]
     line = np.vstack([axis.points[0] - first, axis.points, axis.points[-1] + last])
     places = places_in_plane(line[:-1], line[1:], np.array(lesion.point), after - before)
     offsets = np.linalg.norm(places - lesion.point, axis=1)
     nearest = axis.nearest(np.array([lesion.point])).distances[0]
-    return bool(nearest <= radius and (offsets <= _ASLANT * radius).any())
+    return bool(nearest <= reach and (offsets <= _ASLANT * reach).any())
 
 
 class _Found(NamedTuple):

@@ -124,13 +124,13 @@ def before_after_picture(
     check_is_a(result, PlanResult, "result")
     drawing, panels = before_after_scene(result, title)
     if not hides_device:
-        panels[1] = panels[1]._replace(struts=strut_curves(result.treatment.final_stents))
+        panels[1] = panels[1]._replace(struts=strut_curves(result.told.final_stents))
     return painted(drawing, panels)
 
 
 def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Panel]]:
     """What `before_after_picture` paints: all that is flat, and the walls under it."""
-    surface, stents = result.inputs.surface, result.treatment.final_stents
+    surface, stents = result.inputs.surface, result.told.final_stents
     lumens = _lumens(stents)
     scene = _scene(
         [surface.surface, result.treatment.surface], [lumens, lumens], stents, surface.frame
@@ -206,7 +206,7 @@ def alternatives_picture(results: Mapping[str, PlanResult], *, hides_device: boo
     drawing, panels = alternatives_scene(results)
     if not hides_device:
         for column, result in enumerate(results.values(), start=1):
-            stents = result.treatment.final_stents
+            stents = result.told.final_stents
             panels[column] = panels[column]._replace(struts=strut_curves(stents))
     return painted(drawing, panels)
 
@@ -218,7 +218,7 @@ def alternatives_scene(results: Mapping[str, PlanResult]) -> tuple[Drawing, list
     for name, result in results.items():
         check_is_a(result, PlanResult, name)
     native = next(iter(results.values())).inputs.surface
-    groups = [result.treatment.final_stents for result in results.values()]
+    groups = [result.told.final_stents for result in results.values()]
     stents = [stent for group in groups for stent in group]
     walls = [native.surface, *(result.treatment.surface for result in results.values())]
     shown = [_lumens(stents), *map(_lumens, groups)]
@@ -263,7 +263,7 @@ def _headings(results: Mapping[str, PlanResult]) -> Iterator[Mark]:
 
 def _note(result: PlanResult) -> str:
     """The narrowest place within the stents of a plan, and how many they are."""
-    stents = result.treatment.final_stents
+    stents = result.told.final_stents
     least = np.fmin.reduce([stent.after.minimum for stent in stents])
     number = "1 stent" if len(stents) == 1 else f"{len(stents)} stents"
     lumen = millimeters(float(least), 1) if np.isfinite(least) else millimeters(None)
