@@ -181,6 +181,12 @@ TEMPLATES = {
         "the prescribed lumen by more than 3 %; refine the surface near the stent to edges of at "
         "most {fine_mm:.2g} mm."
     ),
+    "too-coarse": (
+        "The mesh is too coarse for the stent near ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}: "
+        "triangles with sides of {start_mm:.3g} mm, {edge_mm:.3g} mm once it is expanded, leave a "
+        "lumen of {found_mm:.2f} instead of {prescribed_mm:.2f} mm; refine the surface there to "
+        "edges of at most {fine_mm:.2g} mm."
+    ),
     "narrowed": (
         "Later stents push tissue into it: its lumen is {minimum_mm:.1f} mm at the narrowest, "
         "{earlier_minimum_mm:.1f} mm before them; deploy it after them, or once more."
@@ -243,6 +249,7 @@ GRAVEST = (
     "changed-input",
     "outside-without-effect",
     "without-effect",
+    "too-coarse",
     "facets-inside",
     "lesion-uncovered",
     "shortened",

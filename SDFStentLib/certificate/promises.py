@@ -179,16 +179,21 @@ class LumenCheck:
         """The prescribed lumen, wider only where it was."""
         return not (self.is_narrow or self.is_wide) and self.wall.passed
 
+    def missed(self) -> tuple[float, float, Place]:
+        """Diameter that is not the prescribed one, what it should be, and where, mm."""
+        if self.is_wide and not self.is_narrow:
+            return self.widest, self.native, self.widest_at
+        if self.is_narrow:
+            return self.narrowest, self.prescribed, self.narrowest_at
+        return self._narrowest_place()
+
     def fault(self, units: str = "mm") -> str:
         """What is wrong and where, as a part of a sentence; `units` of the file."""
         if not self.narrowest:
             return f"a stent outside of the lumen near {told_place(self.narrowest_at, units)}"
-        if self.is_narrow:
-            found, wanted, place = self.narrowest, self.prescribed, self.narrowest_at
-        elif self.is_wide:
-            found, wanted, place = self.widest, self.native, self.widest_at
-        else:
+        if not (self.is_narrow or self.is_wide):
             return self.wall.fault(units)
+        found, wanted, place = self.missed()
         return (
             f"a lumen of {found:.2f} mm instead of {wanted:.2f} mm near {told_place(place, units)}"
         )

@@ -8,5 +8,6 @@ from .proxy import Proxy as Proxy
 from .proxy import ProxyState as ProxyState
 from .settings import RULES as RULES
 from .settings import DeploymentSettings as DeploymentSettings
+from .values import FINE as FINE
 from .values import DeploymentResult as DeploymentResult
 from .values import DeploymentState as DeploymentState

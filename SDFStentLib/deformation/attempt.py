@@ -12,7 +12,7 @@ from ..certificate import Comparison, MotionCheck
 from ..field import CapsuleChain
 from ..geometry import consistently_wound, dot, twins, vertex_normals
 from ..lumen import caps_across
-from ..validation import DeploymentError, Points, Triangles
+from ..validation import Points, Triangles
 from .draped import draped
 from .event_steps import event_steps, published_steps
 from .lumen import COARSEST_REACH, Expanded, OwnWall, drawn_in, facets_compensated, finished
@@ -20,7 +20,7 @@ from .motion import Motion
 from .patch import Patch
 from .stent_checks import motion_check
 from .untangle import Relief, Tangle, taken_apart
-from .values import DeploymentState, DeploymentTask
+from .values import DeploymentState, DeploymentTask, away_from_wall
 from .wall_around import own_share
 
 WALL_CLEARANCE = 0.9
@@ -252,16 +252,6 @@ class Attempt:
         tissue[: self.wall_count] = self._tissue
         sides = np.concatenate([self.patch.triangles[:, :2], self.patch.triangles[:, 1:]])
         return own_share(sides, tissue, nearest)[: self.wall_count]
-
-
-def away_from_wall(task: DeploymentTask) -> DeploymentError:
-    """What is said about a stent that no wall is near."""
-    return DeploymentError(
-        "stent: expected the vessel's wall within "
-        f"{task.radius + task.settings.influence_distance:.1f} mm of the stent "
-        "axis, got none; check that surface and axis are in the same unit and frame, and that the "
-        "stent is not far too thin for the lumen."
-    )
 
 
 def tissue_offset(

@@ -22,7 +22,7 @@ from ..field import CapsuleChain
 from ..geometry import Surface, as_surface
 from ..lumen import looks_across
 from ..validation import Indices, Points, as_points
-from .attempt import CAPS_WITHIN, WALL_CLEARANCE, away_from_wall, tissue_offset, within_reach
+from .attempt import CAPS_WITHIN, WALL_CLEARANCE, tissue_offset, within_reach
 from .deployment import GAP_RAMP
 from .event_steps import event_steps, published_steps
 from .lumen import Expanded, finished
@@ -30,7 +30,7 @@ from .motion import Motion
 from .profiles import StepRule
 from .proxy_sample import Near, SampledWall, Spreading, moved_rows
 from .settings import DeploymentSettings
-from .values import DeploymentState, DeploymentTask
+from .values import DeploymentState, DeploymentTask, away_from_wall
 
 SAMPLED = 1500
 """Points within reach of the stent that a sample has at most, about; half of it at least."""

@@ -9,10 +9,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..cautions import told_place
 from ..certificate import Certificate, LumenCheck, MotionCheck
 from ..field import CapsuleChain, as_chain, radius_correction
-from ..geometry import Precision, Surface, as_surface, oriented_triangles, signed_volume
-from ..validation import Points, Triangles, as_length, as_points
+from ..geometry import (
+    Precision,
+    Surface,
+    SurfaceIndex,
+    as_surface,
+    oriented_triangles,
+    side_lengths,
+    signed_volume,
+)
+from ..validation import DeploymentError, Points, Triangles, as_length, as_place, as_points
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .stent_checks import Expected, lumen_check
 from .untangle import Relief
@@ -37,6 +46,11 @@ class DeploymentState(NamedTuple):
         copy = np.array(points, dtype=np.float64)
         copy[self.indices] = self.coordinates
         return copy
+
+
+FINE = 0.25
+"""Edge over the stent's radius that is advised: in 120 stents of straight and bent phantoms the
+lumen was 0.5 % too narrow then."""
 
 
 @dataclass(frozen=True)
@@ -173,3 +187,28 @@ class DeploymentTask:
         if shape.is_closed and shape.is_consistently_wound and shape.component_count == 1:
             return triangles if signed_volume(points, triangles) > 0 else triangles[:, ::-1]
         return oriented_triangles(points, triangles, inside=self.capsules.nodes)
+
+
+def away_from_wall(task: DeploymentTask) -> DeploymentError:
+    """What is said about a stent that no point of the wall is near.
+
+    The wall itself may be: between points that are farther apart than the vessel is wide.
+    """
+    reach = task.radius + task.settings.influence_distance
+    found = SurfaceIndex(task.surface.points, task.surface.triangles).distances(task.capsules.nodes)
+    nearest = int(found.distance.argmin())
+    if found.distance[nearest] >= reach:
+        return DeploymentError(
+            f"stent: expected the vessel's wall within {reach:.1f} mm of the stent "
+            "axis, got none; check that surface and axis are in the same unit and frame, and that "
+            "the stent is not far too thin for the lumen."
+        )
+    triangle = task.surface.triangles[found.triangle[[nearest]]]
+    longest = side_lengths(task.surface.points, triangle).max()
+    place = told_place(as_place(found.closest_point[nearest]), "mm")
+    return DeploymentError(
+        f"stent: expected points of the wall within {reach:.1f} mm of the stent axis, got none; "
+        f"the wall is {found.distance[nearest]:.1f} mm away near {place}, but its triangles have "
+        f"sides of {longest:.3g} mm there: refine the surface near the stent to edges of at most "
+        f"{FINE * task.radius:.2g} mm."
+    )

@@ -20,6 +20,7 @@ from .faces import faces_at as faces_at
 from .faces import may_meet_box as may_meet_box
 from .faces import median_edge as median_edge
 from .faces import oriented_triangles as oriented_triangles
+from .faces import side_lengths as side_lengths
 from .faces import signed_volume as signed_volume
 from .faces import vertex_normals as vertex_normals
 from .fans import component_labels as component_labels

@@ -98,10 +98,15 @@ def oriented_triangles(
     return triangles
 
 
+def side_lengths(points: Points, triangles: Triangles) -> Floats:
+    """Lengths (m, 3) of the sides of triangles (m, 3), mm."""
+    sides = points[triangles] - points[triangles[:, [1, 2, 0]]]
+    return np.asarray(np.linalg.norm(sides, axis=2))
+
+
 def median_edge(points: Points, triangles: Triangles) -> float:
     """Median length of the triangles' sides, mm; one between two triangles counts twice."""
-    sides = points[triangles] - points[triangles[:, [1, 2, 0]]]
-    return float(np.median(np.linalg.norm(sides, axis=2)))
+    return float(np.median(side_lengths(points, triangles)))
 
 
 def faces_at(vertices: NDArray[np.bool_], triangles: Triangles) -> NDArray[np.bool_]:

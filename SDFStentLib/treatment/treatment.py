@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, zip_longest
 from time import perf_counter
 
 import numpy as np
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..centerline import Centerline
-from ..certificate import Certificate, certify
+from ..certificate import Certificate, LumenCheck, certify
 from ..deformation import Deployment, DeploymentSettings
 from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
 from ..lumen import DiameterProfile, bulged_caps, diameter_profile
@@ -27,6 +27,7 @@ from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
 from .branches import covered_by_all
+from .coarseness import coarse_mesh, too_coarse
 from .profile import Stage, named_states
 from .straightening import AxisChange, axis_in_vessel
 from .surroundings import (
@@ -50,7 +51,6 @@ from .value import (
 )
 from .warnings import (
     check_width,
-    coarse_mesh,
     narrowed,
     narrowed_neighbors,
     nothing_moved,
@@ -205,7 +205,7 @@ class Treatment:
             stents=treated,
             certificate=certificate,
             warnings=(
-                *self._warnings(treated, after, indices),
+                *self._warnings(treated, after, indices, certificate),
                 *self._certified_with(certificate),
             ),
             timings={
@@ -289,14 +289,20 @@ class Treatment:
         return replace(certificate, motion=motion, lumen=tuple(lumen))
 
     def _warnings(
-        self, treated: Sequence[TreatedStent], after: Surface, moved: NDArray[np.int64]
+        self,
+        treated: Sequence[TreatedStent],
+        after: Surface,
+        moved: NDArray[np.int64],
+        certificate: Certificate | None,
     ) -> Iterator[Caution]:
         for number, stent in enumerate(self.stents, start=1):
             if not stent.enabled:
                 yield Caution("switched-off", stent=number, label=self.label(number))
-        for stage, done in zip(self._stages, treated, strict=True):
+        # Every stent has a check, or none has: that is a matter of the settings.
+        checks = certificate.lumen if certificate is not None else ()
+        for stage, done, check in zip_longest(self._stages, treated, checks):
             label = self.label(done.number)
-            for caution in self._warnings_of(stage, done):
+            for caution in self._warnings_of(stage, done, after, check):
                 yield replace(caution, stent=done.number).labeled(label)
         # One that is dilated again lies in the vessel as it is by then.
         for first, second in combinations([done for done in treated if done.again is None], 2):
@@ -309,7 +315,6 @@ class Treatment:
         """What a certificate allows, but says."""
         if certificate is None:
             return
-        # Every stent has a check, or none has: that is a matter of the settings.
         for stage, check in zip(self._stages, certificate.lumen, strict=False):
             for caution in check.cautions() if check.passed else ():
                 yield replace(caution, stent=stage.number).labeled(self.label(stage.number))
@@ -321,12 +326,19 @@ class Treatment:
             return None
         return diameter_profile(stage.deployment.surface, stage.axis.line, PROFILE_SPACING)
 
-    def _warnings_of(self, stage: Stage, done: TreatedStent) -> Iterator[Caution]:
+    def _warnings_of(
+        self, stage: Stage, done: TreatedStent, after: Surface, check: LumenCheck | None
+    ) -> Iterator[Caution]:
         """About one stent, which is named later."""
         yield from stage.axis.warnings
         is_first = stage is self._stages[0]
-        yield from nothing_moved(done, None if is_first else self._found_lumen(stage, done))
-        yield from coarse_mesh(done)
+        if check is None:
+            coarse = [*coarse_mesh(done)]
+        else:
+            coarse = [*too_coarse(check, stage.deployment.surface, after)]
+        left = None if is_first else self._found_lumen(stage, done)
+        yield from nothing_moved(done, left, coarse)
+        yield from coarse
         yield from self._narrowed(stage, done)
         if stage.result.relief is not None:
             yield stage.result.relief.caution()

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..cautions import Caution
-from ..geometry import Line, Surface, median_edge, nearest_distances
+from ..geometry import Line, Surface, nearest_distances
 from ..lumen import DiameterProfile, off_caps
 from ..stent import StentAxis
 from ..validation import InputError, Points
@@ -21,21 +21,6 @@ from .value import TreatedStent
 
 WIDEST = 4.0
 """Largest diameter of a stent over that of the lumen; more is another unit or a slip."""
-
-COARSE = 0.6
-"""Median edge at the expanded stent over its radius that is warned of; see `edge_at_stent`.
-
-In 120 stents of straight and bent phantoms, by the wall's distance from the axis, the narrowest
-place was at most 0.6 % too narrow below 0.35 radii, 1.2 % below 0.5, 1.7 % below 0.6; from there
-on up to 3.8 %, more than 3 % in 18 of 73, in bends and at the ends. 42 stents of the anatomies had
-at most 0.31.
-"""
-
-FINE = 0.25
-"""Edge over the stent's radius that is advised: 0.5 % too narrow in the same stents."""
-
-AT_STENT = np.sqrt(2.0)
-"""Facets are compensated by corners at up to so many radii from the axis."""
 
 _SPACING, _ROUNDING = 0.1, 1e-6
 
@@ -99,9 +84,14 @@ def overlap_length(first: Line, first_radius: float, second: Line, second_radius
     return float(even.pieces[beside & near].sum())
 
 
-def nothing_moved(treated: TreatedStent, left: DiameterProfile | None) -> Iterator[Caution]:
-    """Whether a stent moved nothing, and why; `left` is the lumen that earlier stents left it."""
-    if treated.moved_points:
+def nothing_moved(
+    treated: TreatedStent, left: DiameterProfile | None, shows: Sequence[Caution] = ()
+) -> Iterator[Caution]:
+    """Whether a stent moved nothing, and why; `left` is the lumen that earlier stents left it.
+
+    `shows` is what `too_coarse` says of it: no point of the wall was there to be moved.
+    """
+    if treated.moved_points or shows:
         return
     lumen, diameter = left or treated.before, treated.stent.diameter
     if lumen.maximum > 0:
@@ -112,27 +102,6 @@ def nothing_moved(treated: TreatedStent, left: DiameterProfile | None) -> Iterat
         yield Caution("without-effect", numbers)
     else:
         yield Caution("outside-without-effect", {"stent_diameter_mm": diameter})
-
-
-def coarse_mesh(treated: TreatedStent) -> Iterator[Caution]:
-    """Whether the edges at a stent are so long that facets between them miss the lumen."""
-    radius, edge = treated.stent.radius, edge_at_stent(treated)
-    if edge > COARSE * radius:
-        lengths = {"edge_mm": edge, "stent_radius_mm": radius, "fine_mm": FINE * radius}
-        yield Caution("coarse-mesh", lengths)
-
-
-def edge_at_stent(treated: TreatedStent) -> float:
-    """Median length of the deformed wall's edges on the expanded stent, mm; 0 without any."""
-    moved, surface = treated.result.state.indices, treated.result.surface
-    radius = treated.stent.radius
-    # Coarser than the axis is given; a median asks for no more.
-    axis = treated.axis.line.resampled(radius / 2)
-    at_stent = axis.nearest(surface.points[moved]).distances <= AT_STENT * radius
-    is_there = np.zeros(len(surface.points), dtype=bool)
-    is_there[moved[at_stent]] = True
-    near = surface.triangles[is_there[surface.triangles].all(axis=1)]
-    return median_edge(surface.points, near) if len(near) else 0.0
 
 
 def narrowed(own: DiameterProfile, final: DiameterProfile) -> Iterator[Caution]:
