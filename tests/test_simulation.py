@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import shutil
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -27,6 +28,7 @@ from SDFStentLib.files.formats import decode_vtu, encode_vtu
 from SDFStentLib.flow import Wave
 from SDFStentLib.geometry import Surface, SurfaceIndex, signed_volume
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
+from SDFStentLib.report import mesh_sentences
 from SDFStentLib.simulation import Conditions, Outlet, prepare
 from SDFStentLib.simulation.ends import extended
 from SDFStentLib.simulation.mmg import MeditMesh, _program
@@ -253,8 +255,9 @@ def test_a_wave_is_solved_over_cycles_and_flows_may_be_set_at_outlets():
         Outlet("branch", "flow", 5.0, 5.0),
         Outlet("lung", "resistance", 1000.0, 2.0),
     )
-    conditions = Conditions(FLOW, wave, outlets)
+    conditions = Conditions(FLOW, wave, outlets, wedge=8 * MMHG)
     texts = solver_files(conditions, time_steps(conditions, 0.3, 1.5, 1000.0))
+    assert "<!--" not in texts["solver.xml"]
     root = ElementTree.fromstring(texts["solver.xml"])
     general = root.find("GeneralSimulationParameters")
     length, count, every, start = (
@@ -278,8 +281,9 @@ def test_a_wave_is_solved_over_cycles_and_flows_may_be_set_at_outlets():
     )
     assert (proximal, proximal + distal) == pytest.approx((100.0, 1000.0))
     assert (proximal + distal) * compliance == pytest.approx(0.75)
-    # It begins as full as it is in the mean.
-    assert start == pytest.approx(2.0 * distal)
+    # It begins as full as it is in the mean, above the wedge pressure.
+    assert float(lung.findtext("RCR_values/Distal_pressure")) == pytest.approx(8 * MMHG)
+    assert start == pytest.approx(8 * MMHG + 2.0 * distal)
     tables = {
         name: np.array([row.split() for row in texts[f"{name}.flow"].splitlines()[1:]], float)
         for name in ("inlet", "branch")
@@ -287,6 +291,64 @@ def test_a_wave_is_solved_over_cycles_and_flows_may_be_set_at_outlets():
     assert tables["inlet"][:, 1].min() == pytest.approx(-1.5 * FLOW, rel=1e-2)
     assert tables["inlet"][0, 1] == tables["inlet"][-1, 1]
     np.testing.assert_allclose(tables["branch"][:, 1], -tables["inlet"][:, 1] / 4)
+
+
+def series(text):
+    """What the solver makes of a file of flow at its rows: so many harmonics of the line."""
+    (rows, modes), *table = (row.split() for row in text.splitlines())
+    time, flow = np.array(table, float).T
+    assert len(time) == int(rows)
+    at = np.linspace(0, time[-1], 200_001)
+    line = np.interp(at, time, flow)
+    found = np.full(len(time), np.trapezoid(line, at) / time[-1])
+    for n in range(1, int(modes)):
+        turn = np.exp(-2j * np.pi * n * at / time[-1])
+        part = np.trapezoid(line * turn, at) / time[-1]
+        found += 2 * np.real(part * np.exp(2j * np.pi * n * time / time[-1]))
+    return found, flow
+
+
+@pytest.mark.parametrize("rest", [0.0, 10.0])
+def test_a_spike_reaches_the_solver_as_high_as_it_is(rest):
+    """Sixteen harmonics had a seventh of it."""
+    outlets = (Outlet("outlet", "resistance", 1000.0, 2.0),)
+    wave = Wave((0, 0.1, 0.105, 0.11, 0.8), (rest, rest, 150, rest, rest))
+    conditions = Conditions(wave.mean, wave, outlets)
+    steps = time_steps(conditions, 3.0, 6.0, 1000.0)
+    assert steps.number >= 3 * wave.steps
+    found, flow = series(solver_files(conditions, steps)["inlet.flow"])
+    assert found == pytest.approx(flow, abs=0.0101 * np.ptp(flow))
+    assert flow.min() == pytest.approx(-150)
+
+
+def test_too_many_steps_are_refused_before_anything_is_meshed(folder, capsys, monkeypatch):
+    def no_mesh(*_):
+        raise AssertionError
+
+    monkeypatch.setattr("SDFStentLib.simulation.prepared.remeshed", no_mesh)
+    rows = ["s,mL/s", *(f"{t},{q}" for t, q in ((0, 1), (5, 30), (9, 3), (400, 1)))]
+    Path("wave.csv").write_text("\n".join(rows), encoding="utf-8")
+    known = ["--wave", "wave.csv", "--unusual-flow"]
+    assert simulate("--no-run", out="many", known=known) == 2
+    said = capsys.readouterr().err
+    count = int(
+        re.search(r"at most 200,000 steps of time, got ([\d,]+), each", said)[1].replace(",", "")
+    )
+    assert count > 200_000
+    assert not Path("many").exists()
+
+
+def test_pressures_are_above_a_wedge_that_the_solver_does_not_know(folder, capsys, prepared):
+    """Its issue 486: a resistance has no distal pressure."""
+    text = Path("sim/before/solver.xml").read_text(encoding="utf-8")
+    words = "all pressures are above the wedge pressure of 10665.8 dyn/cm2"
+    assert words in text
+    assert ElementTree.fromstring(text).find("Add_equation") is not None
+    said = " ".join(mesh_sentences(prepared[1]))
+    assert "above the wedge pressure of 8 mmHg" in said
+    write_results(folder / "sim")
+    assert main(["simulate", "--read", "sim", "--json", "out.json"]) == 0
+    assert "above the wedge pressure of 8 mmHg" in capsys.readouterr().out
 
 
 def tube_flow(points, radius):
@@ -377,6 +439,17 @@ def test_a_wave_is_told_by_the_mean_of_its_last_cycle_and_by_its_peak(
     solver = ElementTree.parse("wave/before/solver.xml").getroot()
     outlet = solver.find("Add_equation/Add_BC[@name='outlet']")
     assert outlet.findtext("Time_dependence") == "RCR"
+    # Its resistance and the tube take the pressures that are known, in the mean over the wave.
+    lung = sum(
+        float(outlet.findtext(f"RCR_values/{part}_resistance")) for part in ("Proximal", "Distal")
+    )
+    told = json.loads(Path("wave/simulation.json").read_text(encoding="utf-8"))
+    drop = told["network_mmhg"]["before"]["recovered"][0] * MMHG
+    moving = 1.06 / 2 * np.mean((FLOW * waves[:20] / (math.pi * (RADIUS / 10) ** 2)) ** 2)
+    assert lung * FLOW + drop + moving == pytest.approx(17 * MMHG, rel=0.01)
+    distal = float(outlet.findtext("RCR_values/Distal_pressure"))
+    assert distal == pytest.approx(8 * MMHG, rel=1e-4)
+    assert told["level_mmhg"] == 0
     # Five frames of the cycle before it, which do not count, and the last one's.
     for k, one in enumerate([3.0] * 5 + waves[:20].tolist()):
         write_results(folder / "wave", step=10 * k + 10, flow=one)

@@ -192,7 +192,7 @@ def test_a_flow_beyond_the_panels_is_refused_with_its_plan(aLogic, theParameters
     path = tmp_path / "plan.json"
     aLogic.savePlan(path, theParameters)
     document = json.loads(path.read_text(encoding="utf-8"))
-    document["flow"] = {"mean": 2000.0}
+    document["flow"] = {"mean": 2000.0, "unusual": True}
     path.write_text(json.dumps(document), encoding="utf-8")
     with pytest.raises(ValueError, match="flow: expected a mean flow of 0 to 60 L/min in the"):
         aLogic.loadPlan(path, theParameters)

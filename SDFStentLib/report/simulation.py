@@ -51,9 +51,20 @@ def mesh_sentences(prepared: Prepared) -> list[str]:
             f"{mesh.edges_round} edges round the throat of {2 * state.throat.radius:.2f} mm, the "
             f"wall within {mesh.made.deviation:.3f} mm; no layers along the wall."
         )
+    said += _pressure_words(prepared.level)
     for name, by in prepared.extensions.items():
         said.append(f"{name}: {by:.1f} mm of straight tube stand for vessel that is missing.")
     return said
+
+
+def _pressure_words(level: float | None) -> list[str]:
+    """Of a wedge pressure that the solver has no place for."""
+    if not level:
+        return []
+    return [
+        "svMultiPhysics has no pressure beyond a resistance: those in its files are above the "
+        f"wedge pressure of {level:.3g} mmHg, which is added where they are read."
+    ]
 
 
 def simulation_document(found: Simulated) -> dict[str, Any]:
@@ -193,6 +204,7 @@ def _with_error(one: Section) -> str:
 def _notes(found: Simulated) -> Iterator[str]:
     if found.document["level_mmhg"] is None:
         yield NO_LEVEL
+    yield from _pressure_words(found.document["level_mmhg"])
     if len(found.coarse) < len(found.fine):
         yield NO_COARSE
     for name, result in found.fine.items():

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..flow import (
     ADULT,
+    PASCAL_PER_MMHG,
     PER_ML,
     Channel,
     FlowAnswer,
@@ -22,7 +23,7 @@ from ..flow import (
     steady,
 )
 from ..segment import Segment, SegmentFace
-from ..validation import Points
+from ..validation import Floats, Points
 
 CGS_RESISTANCE = 1e-5
 """dyn s/cm^5 in one Pa s/m^3."""
@@ -30,6 +31,9 @@ CGS_RESISTANCE = 1e-5
 LEAST_RESISTANCE = 1e-3
 """dyn s/cm^5, where the tree beyond an outlet costs nothing."""
 
+
+CGS_PRESSURE = 10.0
+"""dyn/cm^2 in one Pa."""
 
 _Way = Callable[[Points], Sequence[Piece]]
 """From the root to a place (3,)."""
@@ -47,6 +51,17 @@ class Outlet(NamedTuple):
     """That the network has there, mL/s."""
 
 
+class _Solved(NamedTuple):
+    """Steady states of a network, and the share of time (t,) of each."""
+
+    states: list[State]
+    weights: Floats
+
+    def mean(self, values: Sequence[float]) -> float:
+        """Of values of the states."""
+        return float(self.weights @ np.array(values))
+
+
 class Conditions(NamedTuple):
     """At the ends of a segment in one state of its vessel."""
 
@@ -55,6 +70,18 @@ class Conditions(NamedTuple):
     wave: Wave | None
     """Through the inlet."""
     outlets: tuple[Outlet, ...]
+    wedge: float = 0.0
+    """Pressure beyond the tree, dyn/cm^2, above which outlets resist; 0 where it is not known."""
+
+    @property
+    def distal(self) -> float:
+        """What the solver takes beyond the outlets of a wave, which have a place for it."""
+        return 0.0 if self.wave is None else self.wedge
+
+    @property
+    def offset(self) -> float:
+        """By how much pressures are above those that the solver has, dyn/cm^2."""
+        return self.wedge - self.distal
 
 
 def conditions_of(
@@ -80,62 +107,71 @@ def conditions_of(
     def way_to(place: Points) -> Sequence[Piece]:
         return ways.pieces_along(np.array([root, place]))
 
-    states = [
-        steady(network, answer.outlets, PER_ML * answer.known.mean) for network in answer.networks
+    wave = answer.known.wave
+    flows, weights = (np.array([answer.known.mean]), np.ones(1)) if wave is None else wave.spread()
+    solved = [
+        _Solved([steady(network, answer.outlets, PER_ML * q) for q in flows.tolist()], weights)
+        for network in answer.networks
     ]
     resistances: dict[str, float] = {}
     if answer.known.has_pressures:
         network, outlets = answer.networks[0], answer.outlets
         resistances = {
-            face.name: _beyond(face, (network, outlets, states[0]), way_to)
+            face.name: _beyond(face, (network, outlets), solved[0], way_to)
             for face in _outlets(before)
         }
     first, second = (
-        _of_state(segment, state, way_to, resistances, answer)
-        for segment, state in zip((before, after), states, strict=True)
+        _of_state(segment, one, way_to, resistances, answer)
+        for segment, one in zip((before, after), solved, strict=True)
     )
     return first, second
 
 
 def _of_state(
     segment: Segment,
-    state: State,
+    solved: _Solved,
     way_to: _Way,
     resistances: dict[str, float],
     answer: FlowAnswer,
 ) -> Conditions:
     (inlet,) = (face for face in segment.faces if face.kind == "inlet")
-    inflow = _flow_at(inlet, state, way_to)
+    inflow = _flow_at(inlet, solved, way_to)
     wave = answer.known.wave
     found = []
     widest = max(_outlets(segment), key=lambda face: face.area)
     for face in _outlets(segment):
-        flow = _flow_at(face, state, way_to)
+        flow = _flow_at(face, solved, way_to)
         if resistances:
             found.append(Outlet(face.name, "resistance", resistances[face.name], flow))
         elif face.name == widest.name:
             found.append(Outlet(face.name, "pressure", 0.0, flow))
         else:
             found.append(Outlet(face.name, "flow", flow, flow))
-    return Conditions(inflow, None if wave is None else wave.scaled(inflow), tuple(found))
+    wedge = PASCAL_PER_MMHG * CGS_PRESSURE * (answer.known.wedge or 0.0)
+    return Conditions(inflow, None if wave is None else wave.scaled(inflow), tuple(found), wedge)
 
 
 def _outlets(segment: Segment) -> list[SegmentFace]:
     return [face for face in segment.faces if face.kind == "outlet"]
 
 
-def _beyond(face: SegmentFace, solved: tuple[Network, Outlets, State], way_to: _Way) -> float:
-    """Resistance of all that lies beyond a face, dyn s/cm^5."""
-    network, outlets, state = solved
+def _beyond(
+    face: SegmentFace, tree: tuple[Network, Outlets], solved: _Solved, way_to: _Way
+) -> float:
+    """Resistance of all that lies beyond a face, dyn s/cm^5: of the mean pressure there."""
+    network, outlets = tree
     pieces = way_to(face.center)
-    flow = float(state.flow[pieces[-1].block])
-    total = state.inlet - drop_over(pieces, network, state.flow).recovered
-    moving = ADULT.density / 2 * (flow / (1e-6 * face.area)) ** 2
-    resistance = CGS_RESISTANCE * (total - moving - outlets.pressure) / flow
-    return max(float(resistance), LEAST_RESISTANCE)
+    flow = solved.mean([state.flow[pieces[-1].block] for state in solved.states])
+    static = []
+    for state in solved.states:
+        total = state.inlet - drop_over(pieces, network, state.flow).recovered
+        speed = float(state.flow[pieces[-1].block]) / (1e-6 * face.area)
+        static.append(total - ADULT.density / 2 * speed**2)
+    resistance = CGS_RESISTANCE * (solved.mean(static) - outlets.pressure) / flow
+    return max(resistance, LEAST_RESISTANCE)
 
 
-def _flow_at(face: SegmentFace, state: State, way_to: _Way) -> float:
-    """mL/s."""
+def _flow_at(face: SegmentFace, solved: _Solved, way_to: _Way) -> float:
+    """The mean, mL/s."""
     block = way_to(face.center)[-1].block
-    return float(state.flow[block]) / PER_ML
+    return solved.mean([state.flow[block] for state in solved.states]) / PER_ML

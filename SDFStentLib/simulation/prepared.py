@@ -9,13 +9,13 @@ import numpy as np
 
 from ..cautions import Caution
 from ..files import VolumeMesh
-from ..flow import FlowModel, Moment, Part, Solve
+from ..flow import PASCAL_PER_MMHG, FlowModel, Moment, Part, Solve
 from ..geometry import Line, state_of
 from ..segment import Segment, SegmentFace
 from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
 from ..validation import DeploymentError, Floats, Points, as_place
 from ..vessel import vessel_parts
-from .conditions import Conditions, conditions_of
+from .conditions import CGS_PRESSURE, Conditions, conditions_of
 from .ends import SPACING, FlowEnds, ends_beyond, extended
 from .mmg import check_mmg
 from .remesh import Axis, Remeshed, Wishes, axis_of, edge_sizes, edges_around, remeshed
@@ -90,7 +90,7 @@ class Prepared(NamedTuple):
     network: Mapping[str, Mapping[str, tuple[float, float, float]]]
     """What the network tells by state: a value, and between what it lies, mmHg."""
     level: float | None
-    """Pressure beyond the tree, mmHg, above which all others are; None where none is known."""
+    """mmHg, to be added to the pressures of the solver; None where none is known."""
     extensions: dict[str, float]
     """mm, by face."""
     warnings: tuple[Caution, ...]
@@ -156,11 +156,15 @@ def prepare(
     told = {name: _told(one["mean"]) for name, one in zip(STATES, moments, strict=True)}
     conditions = conditions_of(answer, model.channels, found.before, found.after)
     lines = Lines(tree.resampled(SPACING).points, Line(way).resampled(SPACING).points)
+    both = zip(segments, conditions, strict=True)
+    # What takes too many steps is refused before anything is meshed.
+    planned = [_planned(segment, own, lines, wishes) for segment, own in both]
     states = {}
-    for number, (name, segment) in enumerate(zip(STATES, segments, strict=True)):
+    for number, (name, plan) in enumerate(zip(STATES, planned, strict=True)):
         tell(0.1 + 0.45 * number, f"meshes {name}")
-        states[name] = _meshed(segment, conditions[number], lines, wishes)
-    level = model.known.wedge
+        states[name] = _meshed(plan)
+    offset = conditions[0].offset / (CGS_PRESSURE * PASCAL_PER_MMHG)
+    level = offset if model.known.has_pressures else None
     return Prepared(states, way, main.name, told, level, extensions, (*found.warnings, *warnings))
 
 
@@ -208,33 +212,39 @@ def _at(segment: Segment, place: Points, kind: str) -> SegmentFace:
     return min(ends, key=lambda face: float(np.linalg.norm(face.center - place)))
 
 
-def _meshed(segment: Segment, conditions: Conditions, lines: Lines, wishes: Wishes) -> State:
+class _Planned(NamedTuple):
+    """A state of which nothing is meshed yet."""
+
+    segment: Segment
+    conditions: Conditions
+    axis: Axis
+    throat: Throat
+    meshes: dict[str, tuple[Wishes, Steps]]
+
+
+def _planned(segment: Segment, conditions: Conditions, lines: Lines, wishes: Wishes) -> _Planned:
     is_wall = np.isin(segment.face_ids, [*segment.walls])
     axis = axis_of(segment.surface, is_wall, lines.tree)
     way = axis_of(segment.surface, is_wall, lines.way)
     throat = int(np.argmin(way.radius))
     at = Throat(way.points[throat], Line(way.points).directions[throat], float(way.radius[throat]))
-    meshes = {
-        name: _mesh(segment, conditions, (axis, at), one)
-        for name, one in (
-            ("fine", wishes),
-            ("coarse", wishes._replace(coarser=COARSER * wishes.coarser)),
-        )
-    }
-    return State(segment, conditions, meshes, at)
+    coarse = wishes._replace(coarser=COARSER * wishes.coarser)
+    meshes = {}
+    for name, one in (("fine", wishes), ("coarse", coarse)):
+        edge = float(edge_sizes(at.place[None], axis, one)[0])
+        meshes[name] = one, time_steps(conditions, edge, at.radius, segment.volume)
+    return _Planned(segment, conditions, axis, at, meshes)
 
 
-def _mesh(
-    segment: Segment, conditions: Conditions, sizes: tuple[Axis, Throat], wishes: Wishes
-) -> Mesh:
-    axis, throat = sizes
-    found = well_filled(remeshed(segment, axis, wishes))
-    edge = float(edge_sizes(throat.place[None], axis, wishes)[0])
-    return Mesh(
-        *found,
-        edges_around(found.made.surface, throat.place, throat.direction),
-        time_steps(conditions, edge, throat.radius, segment.volume),
-    )
+def _meshed(plan: _Planned) -> State:
+    meshes = {name: _mesh(plan, *one) for name, one in plan.meshes.items()}
+    return State(plan.segment, plan.conditions, meshes, plan.throat)
+
+
+def _mesh(plan: _Planned, wishes: Wishes, steps: Steps) -> Mesh:
+    found = well_filled(remeshed(plan.segment, plan.axis, wishes))
+    place, direction, _ = plan.throat
+    return Mesh(*found, edges_around(found.made.surface, place, direction), steps)
 
 
 def well_filled(surfaces: Iterable[Remeshed]) -> Filled:

@@ -11,7 +11,10 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
-from ..flow import ADULT
+import numpy as np
+
+from ..flow import ADULT, Wave
+from ..validation import InputError
 from .conditions import Conditions, Outlet
 
 RESULTS = "results"
@@ -33,8 +36,14 @@ FRAMES = 5
 LEAST_BETWEEN = 10
 """Steps from one frame to the next."""
 
-CYCLES, CYCLE_FRAMES, SAMPLES, MODES = 3, 20, 100, 16
-"""Of a wave: cycles, what is saved of the last one, and rows and harmonics of its file."""
+MOST_STEPS = 200_000
+"""Of a solution: weeks of a large computer."""
+
+CYCLES, CYCLE_FRAMES, MODES = 3, 20, 16
+"""Of a wave: cycles, what is saved of the last one, and the fewest harmonics."""
+
+MODES_WITHIN = 0.01
+"""Share of the range of a wave, within which its harmonics meet its rows."""
 
 RC_TIME, PROXIMAL = 0.75, 0.1
 """Of a wave, whose outlets have compliance: resistance times compliance of the lungs, s, the same
@@ -72,6 +81,8 @@ class Steps(NamedTuple):
 def time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> Steps:
     """Steps in which the fastest blood, in the throat, passes `COURANT` edges.
 
+    Of a wave they are at least as many as meet its rows.
+
     Parameters
     ----------
     conditions : Conditions
@@ -79,14 +90,31 @@ def time_steps(conditions: Conditions, edge: float, radius: float, volume: float
         Of the mesh and the lumen in the throat, mm.
     volume : float
         Of the lumen, mm^3.
+
+    Raises
+    ------
+    InputError
+        More than `MOST_STEPS`.
     """
+    steps = _time_steps(conditions, edge, radius, volume)
+    if steps.number > MOST_STEPS:
+        raise InputError(
+            f"simulate: expected at most {MOST_STEPS:,} steps of time, got {steps.number:,}, each "
+            f"{steps.length:.2g} s long, in which the fastest blood passes {COURANT:g} edges of "
+            f"{edge:.2g} mm; check the units of flow and time, take longer edges, or a shorter "
+            "segment."
+        )
+    return steps
+
+
+def _time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> Steps:
     wave = conditions.wave
-    flow = 1000 * (conditions.inflow if wave is None else wave.peak)
+    flow = 1000 * (conditions.inflow if wave is None else max(map(abs, wave.flow)))
     fastest = 2 * flow / (math.pi * radius**2)
     length = COURANT * edge / fastest
     if wave is not None:
         period = wave.time[-1]
-        every = math.ceil(period / length / CYCLE_FRAMES)
+        every = math.ceil(max(period / length, wave.steps) / CYCLE_FRAMES)
         cycle = every * CYCLE_FRAMES
         return Steps(period / cycle, CYCLES * cycle, 0.0, every, (CYCLES - 1) * cycle + 1, 0)
     through = volume / flow
@@ -107,7 +135,8 @@ def solver_files(conditions: Conditions, steps: Steps) -> dict[str, str]:
             bounds.append(_flow_bound(outlet.name, f"{outlet.name}.flow", steps))
             continue
         if outlet.kind == "resistance" and conditions.wave is not None:
-            bounds.append(_bound(outlet.name, "Neu", "RCR", {"RCR_values": _windkessel(outlet)}))
+            values = {"RCR_values": _windkessel(outlet, conditions.distal)}
+            bounds.append(_bound(outlet.name, "Neu", "RCR", values))
             continue
         kind = "Resistance" if outlet.kind == "resistance" else "Steady"
         bounds.append(_bound(outlet.name, "Neu", kind, {"Value": outlet.value}))
@@ -128,6 +157,12 @@ def solver_files(conditions: Conditions, steps: Steps) -> dict[str, str]:
         "Add_equation": _equation(bounds),
     }
     root = ElementTree.Element("svMultiPhysicsFile")
+    if conditions.offset:
+        words = (
+            " A resistance has no distal pressure here: all pressures are above the wedge pressure "
+            f"of {conditions.offset:g} dyn/cm2, which sdfstent adds where it reads the results. "
+        )
+        root.append(ElementTree.Comment(words))
     _fill(root, document)
     ElementTree.indent(root)
     text = ElementTree.tostring(root, encoding="unicode")
@@ -175,15 +210,15 @@ def _equation(bounds: list[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _windkessel(outlet: Outlet) -> dict[str, float]:
-    """Of the same mean pressure as the resistance, at which it begins."""
+def _windkessel(outlet: Outlet, pressure: float) -> dict[str, float]:
+    """Of the same mean pressure as the resistance above a distal one, at which it begins."""
     distal = (1 - PROXIMAL) * outlet.value
     return {
         "Proximal_resistance": PROXIMAL * outlet.value,
         "Capacitance": RC_TIME / outlet.value,
         "Distal_resistance": distal,
-        "Distal_pressure": 0.0,
-        "Initial_pressure": distal * outlet.flow,
+        "Distal_pressure": pressure,
+        "Initial_pressure": pressure + distal * outlet.flow,
     }
 
 
@@ -205,10 +240,24 @@ def _flow_file(conditions: Conditions, steps: Steps, share: float = -1.0) -> str
     """Rows of time and flow; into the vessel is negative there."""
     if conditions.wave is None:
         return f"2 1\n0.0 0.0\n{steps.ramp!r} {share * conditions.inflow!r}\n"
-    period = conditions.wave.time[-1]
-    flows = conditions.wave.sampled(SAMPLES).tolist()
-    rows = [f"{period * k / SAMPLES!r} {share * q!r}" for k, q in enumerate([*flows, flows[0]])]
-    return "\n".join([f"{SAMPLES + 1} {MODES}", *rows, ""])
+    wave = conditions.wave
+    rows = [f"{t!r} {share * q!r}" for t, q in zip(wave.time, wave.flow, strict=True)]
+    return "\n".join([f"{len(rows)} {harmonics_of(wave)}", *rows, ""])
+
+
+def harmonics_of(wave: Wave) -> int:
+    """How many of a wave the solver takes to meet its rows, the mean among them."""
+    at, flow = np.array(wave.time) / wave.cycle, np.array(wave.flow)
+    slopes, found, count = np.diff(flow) / np.diff(at), np.full(len(at), wave.mean), 1
+    more = MODES
+    # Ends: a line without jumps is the sum of its harmonics.
+    while np.abs(found - flow).max() > MODES_WITHIN * np.ptp(flow) or count < MODES:
+        turns = 2 * np.pi * np.arange(count, more)
+        turned = np.exp(-1j * turns[:, None] * at)
+        parts = np.diff(turned, axis=1) @ slopes / turns**2
+        found = found + 2 * np.real(parts @ turned.conj())
+        count, more = more, 2 * more
+    return count
 
 
 def _fill(element: ElementTree.Element, values: Mapping[str, Any]) -> None:
