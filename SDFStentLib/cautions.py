@@ -57,6 +57,13 @@ TEMPLATES = {
         "It has a wall of two sides: the lumen is measured and treated; the outer side, of "
         "{triangles} triangles, goes along with it at its distance."
     ),
+    "islands": (
+        "Closed parts float in the lumen: {islands}, the largest {extent_mm:.1f} mm long at "
+        "({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}. They narrow the lumen and take their share of its "
+        "area, but not where the centerline runs through them; a stent does not touch them, and "
+        "the lumen that it leaves is told without them. Where they are no calcium or thrombus, "
+        "remove them (Slicer: Segment Editor, Islands)."
+    ),
     "triangles-again": (
         "{triangles} triangles lie on others a second time, or are collapsed between these: they "
         "are no wall, and are written as they were. A mesher refuses them: remove them first "

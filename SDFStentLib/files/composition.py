@@ -12,6 +12,8 @@ from ..cautions import Caution
 from ..geometry import (
     Surface,
     SurfaceIndex,
+    boundary_edges,
+    compacted,
     component_labels,
     connected,
     dot,
@@ -19,7 +21,7 @@ from ..geometry import (
     face_normals,
     signed_volume,
 )
-from ..validation import Flags, Indices, Triangles
+from ..validation import Flags, Indices, Points, Triangles, as_place
 
 FLAT = np.cos(np.deg2rad(5.0))
 """Faces of a ring that closes a wall lie in one plane up to this angle."""
@@ -31,41 +33,124 @@ SAMPLES = 400
 """Points of a side that are looked at."""
 
 
+MOST_HOSTS = 32
+"""Parts, the largest, in which others are looked for: a mesh may be thousands of loose pieces."""
+
+LARGEST_ISLAND = 20.0
+"""Extent, mm, below which a closed part in another is an island: no vessel model is so small."""
+
+
 def composition_warnings(surface: Surface, name: str) -> tuple[Caution, ...]:
     """What was taken as one or left out of a surface as it was read."""
-    whole, again = len(surface.whole.triangles), surface.again_count
+    whole, again, islands = surface.whole, surface.again_count, surface.islands
+    outer = len(whole.triangles) - again - len(surface.triangles) - len(islands)
     counts = {
         "points-joined": ("points", surface.unshared_points),
-        "ghost-cells": ("cells", surface.made_of - whole),
+        "ghost-cells": ("cells", surface.made_of - len(whole.triangles)),
         "triangles-again": ("triangles", again),
-        "outer-wall": ("triangles", whole - again - len(surface.triangles)),
+        "outer-wall": ("triangles", outer),
     }
-    return tuple(
+    found = [
         Caution(kind, {what: count}, label=f"{name}: ")
         for kind, (what, count) in counts.items()
         if count
-    )
+    ]
+    if len(islands):
+        parts = _Parts(surface.points, islands, np.zeros(len(islands), dtype=bool))
+        largest = int(parts.extents.argmax())
+        size = {"islands": parts.count, "extent_mm": float(parts.extents[largest])}
+        place = as_place((parts.low[largest] + parts.high[largest]) / 2)
+        found.append(Caution("islands", size, place, label=f"{name}: "))
+    return tuple(found)
 
 
 def lumen_alone(surface: Surface) -> Surface:
-    """The surface without outer sides of walls; itself where there is none.
+    """The surface without outer sides of walls and islands; itself where there is none.
 
     An outer side holds the lumen's side in it, and all of it is nearer to that than that is wide.
-    An island in the lumen does not come near to all of the wall, nor does a wire.
+    An island, such as calcium or what a segmentation has left, is a small closed part that lies in
+    another one. A wire in the lumen is neither.
     """
     is_ring = rings(surface)
-    part = _parts(surface.triangles, is_ring)
-    if part.max() < 1:
+    parts = _Parts(surface.points, surface.triangles, is_ring)
+    if parts.count < 2:
         return surface
-    sides = [_Side(surface, np.flatnonzero(part == number)) for number in range(part.max() + 1)]
-    is_apart = is_ring.copy()
-    for outer in sides:
-        if any(inner is not outer and outer.is_wall_of(inner) for inner in sides):
-            is_apart[outer.faces] = True
+    is_apart, is_island = is_ring.copy(), np.zeros(len(is_ring), dtype=bool)
+    hosts = np.argsort(-parts.extents, kind="stable")[:MOST_HOSTS]
+    small = parts.is_closed & (parts.extents < LARGEST_ISLAND)
+    for outer in hosts:
+        inner = parts.boxed_in(outer)
+        if not inner.any():
+            continue
+        host = parts.alone(outer)
+        if any(_is_wall_of(host, parts.alone(one)) for one in hosts if inner[one]):
+            is_apart[parts.faces(outer)] = True
+        for one in parts.wholly_in(host, np.flatnonzero(inner & small)):
+            is_island[parts.faces(one)] = True
     # Rings of no wall of two sides stay, as flat spots with a hole in them.
-    if not (is_apart & ~is_ring).any() or is_apart.all():
+    if not (is_apart & ~is_ring).any():
+        is_apart[:] = False
+    is_island &= ~is_apart
+    if not (is_apart | is_island).any() or (is_apart | is_island).all():
         return surface
-    return surface.without(is_apart)
+    return surface.without(is_apart, is_island)
+
+
+class _Parts:
+    """Parts of a surface that share points, numbered by their first triangles, without rings."""
+
+    def __init__(self, points: Points, triangles: Triangles, is_ring: Flags) -> None:
+        self._points, self._triangles = points, triangles
+        rows = np.flatnonzero(~is_ring)
+        kept = triangles[rows]
+        size = int(triangles.max()) + 1
+        label = component_labels(size, kept[:, :2].ravel(), kept[:, 1:].ravel())
+        own, number = np.unique(label[kept[:, 0]], return_inverse=True)
+        number = number.reshape(-1)
+        order = np.argsort(number, kind="stable")
+        self.count = len(own)
+        self._rows = rows[order]
+        self._starts = np.searchsorted(number[order], np.arange(self.count + 1))
+        corners = points[triangles[self._rows]]
+        self.low = np.minimum.reduceat(corners.min(axis=1), self._starts[:-1])
+        self.high = np.maximum.reduceat(corners.max(axis=1), self._starts[:-1])
+        self.extents = (self.high - self.low).max(axis=1)
+        self.is_closed = ~np.isin(own, label[boundary_edges(kept).ravel()])
+
+    def faces(self, part: int) -> Indices:
+        """Numbers (k,) of its triangles."""
+        return self._rows[self._starts[part] : self._starts[part + 1]]
+
+    def alone(self, part: int) -> Surface:
+        """A part as a surface of its own."""
+        return Surface(*compacted(self._points, self._triangles[self.faces(part)]))
+
+    def wholly_in(self, host: Surface, some: Indices) -> Indices:
+        """Those of some parts (k,) of which every point lies in another surface."""
+        if not len(some):
+            return some
+        own = [self.faces(part) for part in some]
+        used, corner = np.unique(self._triangles[np.concatenate(own)], return_inverse=True)
+        is_in = host.contains(self._points[used])[corner.reshape(-1, 3)].all(axis=1)
+        return some[np.logical_and.reduceat(is_in, np.cumsum([0, *map(len, own[:-1])]))]
+
+    def boxed_in(self, part: int) -> Flags:
+        """Which others (p,) reach out of the box round a part by no more than a slanted end may."""
+        slack = (1 - ALL) * self.extents[part]
+        found = (self.low >= self.low[part] - slack) & (self.high <= self.high[part] + slack)
+        found[part] = False
+        return np.asarray(found.all(axis=1))
+
+
+def _is_wall_of(outer: Surface, inner: Surface) -> bool:
+    """Whether one part is the outer side of the wall of which the other is the lumen's side."""
+    sides = [one.points[:: max(1, len(one.points) // SAMPLES)] for one in (outer, inner)]
+    if outer.contains(sides[1]).mean() < ALL:
+        return False
+    away = SurfaceIndex(inner.points, inner.triangles).distances(sides[0]).distance
+    # Of a long tube four times its volume over its area is its diameter.
+    volume = abs(signed_volume(inner.closed.points, inner.closed.triangles))
+    return float(np.quantile(away, ALL)) < 4 * volume / float(inner.face_areas.sum())
 
 
 def rings(surface: Surface) -> Flags:
@@ -87,42 +172,3 @@ def rings(surface: Surface) -> Flags:
     sides = np.unique(np.stack([np.repeat(label, 3), found.face_edges.ravel()]), axis=1)[0]
     euler = np.bincount(corners, minlength=count) - np.bincount(sides, minlength=count) + sizes
     return np.asarray((is_plane & (euler == 0))[label])
-
-
-def _parts(triangles: Triangles, is_ring: Flags) -> Indices:
-    """Number (m,) of the part that each triangle belongs to without rings; -1 for these."""
-    part = np.full(len(triangles), -1, dtype=np.int64)
-    kept = triangles[~is_ring]
-    label = component_labels(int(triangles.max()) + 1, kept[:, :2].ravel(), kept[:, 1:].ravel())
-    part[~is_ring] = np.unique(label[kept[:, 0]], return_inverse=True)[1].reshape(-1)
-    return part
-
-
-class _Side:
-    """A part of a surface."""
-
-    def __init__(self, surface: Surface, faces: Indices) -> None:
-        self.faces = faces
-        self._surface = surface
-        self._triangles = surface.triangles[faces]
-        used = np.unique(self._triangles)
-        self._points = surface.points[used]
-        self._sample = self._points[:: max(1, len(used) // SAMPLES)]
-        self._low, self._high = self._points.min(axis=0), self._points.max(axis=0)
-
-    def is_wall_of(self, inner: _Side) -> bool:
-        """Whether the other is the lumen's side of the wall of which this is the outer side."""
-        in_box = (inner._sample >= self._low) & (inner._sample <= self._high)
-        if in_box.all(axis=1).mean() < ALL:
-            return False
-        own = Surface(self._surface.points, self._triangles)
-        if own.contains(inner._sample).mean() < ALL:
-            return False
-        away = SurfaceIndex(self._surface.points, inner._triangles).distances(self._sample)
-        return float(np.quantile(away.distance, ALL)) < inner.width()
-
-    def width(self) -> float:
-        """Diameter, mm, of a long tube of this volume and area."""
-        own = Surface(self._surface.points, self._triangles)
-        volume = abs(signed_volume(own.closed.points, own.closed.triangles))
-        return 4 * volume / float(own.face_areas.sum())

@@ -47,6 +47,7 @@ class Mesh:
         self.copies, self.originals = read_only(found.copies), read_only(found.originals)
         self.unshared, self.again_count = found.unshared, 0
         self.followers, self.weights = NOTHING, None
+        self.islands = triangles[:0]
         if found.is_wall is not None:
             wall = np.flatnonzero(found.is_wall)
             self.triangles = read_only(found.triangles[wall])
@@ -83,14 +84,16 @@ class Mesh:
             return self
         return self._of(self.whole, self.cells_of_whole)
 
-    def without(self, points: Points, is_apart: Flags) -> Mesh:
-        """The same without some triangles (m,), whose own points go along with the wall."""
-        kept = np.flatnonzero(~is_apart)
+    def without(self, points: Points, is_apart: Flags, is_island: Flags) -> Mesh:
+        """The same without some triangles (m,): points of those apart go along with the wall."""
+        kept = np.flatnonzero(~(is_apart | is_island))
         mesh = self._of(self.triangles[kept], kept if self.cells is None else self.cells[kept])
-        wall = _used(mesh.triangles, self.point_count)
-        own = np.setdiff1d(_used(self.triangles[is_apart], self.point_count), wall)
-        mesh.followers = read_only(own)
-        mesh.weights = following_weights(points, mesh.triangles, points[own])
+        mesh.islands = read_only(self.triangles[is_island])
+        if is_apart.any():
+            wall = _used(mesh.triangles, self.point_count)
+            own = np.setdiff1d(_used(self.triangles[is_apart], self.point_count), wall)
+            mesh.followers = read_only(own)
+            mesh.weights = following_weights(points, mesh.triangles, points[own])
         return mesh
 
     def _of(self, triangles: Triangles, cells: Indices | None) -> Mesh:

@@ -22,7 +22,8 @@ from ..validation import (
     read_only,
 )
 from .closing import Closing
-from .faces import face_areas, face_normals, vertex_normals
+from .faces import compacted, face_areas, face_normals, vertex_normals
+from .fans import component_labels
 from .inside import Inside
 from .seams import Mesh
 from .topology import Topology, VertexNeighbors
@@ -174,12 +175,45 @@ class Surface:
         points[self._mesh.copies] = points[self._mesh.originals]
         return points
 
-    def without(self, is_apart: Flags) -> Surface:
-        """The surface without some of its triangles (m,), such as the outer side of a wall.
+    def without(self, is_apart: Flags, is_island: Flags) -> Surface:
+        """The surface without some of its triangles (m,), which are in its `whole` as before.
 
-        They are still in its `whole`, and their points go along with the nearest wall.
+        Those apart, such as the outer side of a wall, have points that go along with the nearest
+        wall. Those of islands stay where they are.
         """
-        return self._with(self.points, self._mesh.without(self.points, is_apart))
+        return self._with(self.points, self._mesh.without(self.points, is_apart, is_island))
+
+    @property
+    def islands(self) -> Triangles:
+        """(k, 3) triangles of closed parts that float in the lumen, and are no wall of it."""
+        return self._mesh.islands
+
+    def with_islands(self, line: Points) -> Surface:
+        """The surface with those islands behind its own triangles in which no place lies.
+
+        Parameters
+        ----------
+        line : (k, 3) array
+            Of an axis that is measured along, mm: what it runs through is no wall beside it.
+        """
+        if not len(self.islands):
+            return self
+        islands = self.islands
+        label = component_labels(len(self.points), islands[:, :2].ravel(), islands[:, 1:].ravel())
+        part = label[islands[:, 0]]
+        kept = [
+            own
+            for own in (islands[part == number] for number in np.unique(part))
+            if not Surface(*compacted(self.points, own)).contains(line).any()
+        ]
+        surface = Surface(self.points, np.concatenate([self.triangles, *kept]))
+        object.__setattr__(surface, "_wall", self)
+        return surface
+
+    @property
+    def wall(self) -> Surface:
+        """The surface without the islands that `with_islands` has put behind its triangles."""
+        return self.__dict__.get("_wall", self)
 
     @property
     def topology(self) -> Topology:

@@ -52,7 +52,8 @@ def cut_at_ostia(
     if not suspect.any():
         return equivalent, suspect
     middles = np.where(np.isfinite(centers), centers, stations)
-    near = near_wall(surface, stations, far_reach(surface, stations))
+    wall_alone = surface.wall  # past an island a ray would seem to go on into another lumen
+    near = near_wall(wall_alone, stations, far_reach(wall_alone, stations))
     line = Line(stations)
     wall = rays_from(near, line.arc_lengths, middles, frames(line))
     # A path may end in a junction: its vessel goes on as the section there is without openings.

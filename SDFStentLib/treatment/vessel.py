@@ -7,6 +7,8 @@ from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from ..cautions import Caution
 from ..centerline import JAGGED, Centerline, zigzag
 from ..certificate import SurfaceCheck, check_surface
@@ -95,10 +97,21 @@ class Vessel:
         """
         if self.centerline is None:
             return None
-        found = find_lesions(self.surface, self.centerline, self.faces, self.given_names)
+        wall, faces = self.with_islands, self.faces
+        extra = len(wall.triangles) - len(self.surface.triangles)
+        if faces is not None and extra:
+            # No end of the vessel is on an island: any part will do.
+            faces = NamedFaces(np.pad(faces.ids, (0, extra), mode="edge"), faces.names)
+        found = find_lesions(wall, self.centerline, faces, self.given_names)
         if not self.reference:
             return found
-        return lesions_against(found, self.reference, self.surface, self.centerline)
+        return lesions_against(found, self.reference, wall, self.centerline)
+
+    @cached_property
+    def with_islands(self) -> Surface:
+        """Its wall with what floats beside the centerline, which narrows the lumen, too."""
+        tree = self.centerline
+        return self.surface if tree is None else self.surface.with_islands(tree.points)
 
     @cached_property
     def lesion_cautions(self) -> tuple[Caution, ...]:
@@ -138,6 +151,7 @@ class Vessel:
         vessel = copy(self)
         # Lesions are looked for here, once for all that are made of this one.
         vars(vessel).update(surface=surface, lesions=self.lesions)
+        vars(vessel).pop("with_islands", None)
         return vessel
 
     def seeds(self, inlet: Points | None = None, outlets: Sequence[Points] = ()) -> LineSeeds:
@@ -170,7 +184,10 @@ class Vessel:
 
     def diameters(self, line: Line, spacing: float) -> DiameterProfile:
         """`diameter_profile` along a line through it."""
-        return diameter_profile(self.surface, line, spacing)
+        own = self.with_islands
+        if self.centerline is None:
+            own = self.surface.with_islands(line.points)
+        return diameter_profile(own, line, spacing)
 
     def check(self, precision: Precision) -> SurfaceCheck:
         """`check_surface` of its wall."""
