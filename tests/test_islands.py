@@ -120,3 +120,18 @@ def test_the_surface_that_is_measured_ends_with_its_islands():
     measured = Vessel(surface, tree).with_islands
     assert measured.wall is surface
     np.testing.assert_array_equal(measured.triangles[: len(surface.triangles)], surface.triangles)
+
+
+def test_an_island_beside_which_the_lumen_is_half_as_wide_takes_its_share_at_every_station():
+    """4 mm beside the axis of a tube of 10: no opening into another lumen, nothing cut off."""
+    points, triangles = open_tube(5.0, 60.0, 48, 150)
+    surface = surface_of(*with_islands(points, triangles, (2.5, 0.01, 30.02, 2.0)))
+    along = np.array([[0.003, 0.004, 25.0], [0.003, 0.004, 35.0]])
+    found = Vessel(surface).diameters(Line(along), 1.0)
+    z = 25 + found.arc_length
+    taken = np.maximum(4 - (z - 30.02) ** 2, 0)
+    polygon = 24 * np.sin(np.pi / 24) / np.pi
+    np.testing.assert_allclose(
+        found.equivalent_diameter, 2 * np.sqrt(25 * polygon - taken), rtol=3e-3
+    )
+    assert found.inscribed_diameter[5] == pytest.approx(5.5, abs=0.02)

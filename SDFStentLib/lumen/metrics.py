@@ -15,7 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..cautions import Caution
-from ..geometry import Line, Surface, as_line, as_surface, frames, segment_count
+from ..geometry import (
+    Line,
+    Surface,
+    as_line,
+    as_surface,
+    frames,
+    nearest_distances,
+    segment_count,
+)
 from ..validation import Flags, Floats, Indices, InputError, Points, Triangles, read_only
 from .closed_ends import open_at_ends, past_closed_ends
 from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, section_radius
@@ -52,8 +60,14 @@ def cut_at_ostia(
     if not suspect.any():
         return equivalent, suspect
     middles = np.where(np.isfinite(centers), centers, stations)
-    wall_alone = surface.wall  # past an island a ray would seem to go on into another lumen
-    near = near_wall(wall_alone, stations, far_reach(wall_alone, stations))
+    if surface.wall is not surface:
+        # Past an island a ray would seem to go on into another lumen, and so would one to the far
+        # wall from a sphere that the island has pushed aside.
+        islands = surface.points[np.unique(surface.wall.islands)]
+        is_beside = nearest_distances(stations, islands) < equivalent
+        middles = np.where(is_beside[:, None], stations, middles)
+        surface = surface.wall
+    near = near_wall(surface, stations, far_reach(surface, stations))
     line = Line(stations)
     wall = rays_from(near, line.arc_lengths, middles, frames(line))
     # A path may end in a junction: its vessel goes on as the section there is without openings.
