@@ -72,6 +72,8 @@ def lumen_alone(surface: Surface) -> Surface:
     another one. A wire in the lumen is neither.
     """
     is_ring = rings(surface)
+    if surface.topology.component_count == 1 and not is_ring.any():
+        return surface
     parts = _Parts(surface.points, surface.triangles, is_ring)
     if parts.count < 2:
         return surface
@@ -157,7 +159,7 @@ def rings(surface: Surface) -> Flags:
     """Which triangles (m,) belong to flat rings at which a closed solid has its ends."""
     triangles, shape = surface.triangles, surface.topology
     nothing = np.zeros(len(triangles), dtype=bool)
-    vertices = len(np.unique(triangles))
+    vertices = int(np.count_nonzero(np.bincount(triangles.ravel())))
     # Closed without a handle it is a sphere: nothing leads through it.
     if not shape.is_watertight or vertices - len(triangles) // 2 >= 2 * shape.component_count:
         return nothing
