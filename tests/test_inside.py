@@ -8,7 +8,8 @@ from mesh_files import octahedron, open_tube
 from plain_measuring import winding_numbers
 from scipy.spatial.transform import Rotation
 
-from SDFStentLib.geometry import Surface
+from SDFStentLib.geometry import Surface, boundary_edges
+from SDFStentLib.geometry.closing import _rims, _rims_of_manifold
 from SDFStentLib.geometry.exact import turn_signs, volume_signs
 from SDFStentLib.phantoms import stenosed_tube, vascular_tree
 
@@ -160,6 +161,19 @@ def test_a_hole_in_the_wall_is_closed_like_an_end():
     torn = Surface(surface.points, kept)
     assert torn.topology.boundary_edge_count
     assert torn.contains(line).all()
+    assert torn.closed.topology.is_closed
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_rims_of_a_torn_surface_are_found_quickly_as_well(seed):
+    whole, _ = a_tube(capped=seed % 2 == 0)
+    keep = np.random.default_rng(seed).random(len(whole.triangles)) > (0.002, 0.05)[seed // 2]
+    torn = Surface(whole.points, whole.triangles[keep])
+    ways = (_rims_of_manifold, _rims) if torn.topology.is_vertex_manifold else (_rims, _rims)
+    part = torn.closing.part
+    quick, plain = (way(torn.triangles, part)[0].tolist() for way in ways)
+    assert sorted(quick) == sorted(plain)
+    assert sorted(plain) == sorted(boundary_edges(torn.triangles).tolist())
     assert torn.closed.topology.is_closed
 
 

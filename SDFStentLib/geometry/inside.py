@@ -43,21 +43,20 @@ class Inside:
 
     Parameters
     ----------
-    points, triangles : (n, 3) and (m, 3) arrays
-        Of which every part is closed, and wound alike throughout.
+    points : (n, 3) array
+    corners : (3, m) array
+        The first, second and third corners of triangles, of which every part is closed, and wound
+        alike throughout.
     part : (m,) array of int
         To which part each triangle belongs.
     """
 
-    def __init__(self, points: Points, triangles: Triangles, part: Indices) -> None:
-        # Coordinates and corners in rows of their own: NumPy takes several times longer over rows
-        # of three.
-        self._columns = np.ascontiguousarray(points.T)
-        self._corners = np.ascontiguousarray(triangles.T)
+    def __init__(self, points: Points, corners: Triangles, part: Indices) -> None:
+        # Coordinates in rows of their own: NumPy takes several times longer over rows of three.
+        self._columns, self._corners = np.ascontiguousarray(points.T), corners
         self._part, self._part_count = part, int(part.max()) + 1
-        self._on = _ON * float(np.abs(points).max())
-        x, y = (_extents(column, self._corners) for column in self._columns[:2])
-        self._boxes = np.stack([x[0], y[0]]) - self._on, np.stack([x[1], y[1]]) + self._on
+        self._on = _ON * float(np.abs(self._columns).max())
+        self._low, self._high = _extents(self._columns[0], corners)
 
     def contains(self, queries: Points) -> Flags:
         """Whether each query (k, 3) lies inside of a part, or on the surface."""
@@ -80,8 +79,12 @@ class Inside:
         if not queries.size:
             return
         x, y, _ = queries
-        met = np.flatnonzero(_may_hold(self._boxes, queries[:2]))
-        low, high = (ends.take(met, axis=1) for ends in self._boxes)
+        met = np.flatnonzero((self._low <= x[-1] + self._on) & (self._high >= x[0] - self._on))
+        sides = _extents(self._columns[1], self._corners.take(met, axis=1))
+        low = np.stack([self._low.take(met), sides[0]]) - self._on
+        high = np.stack([self._high.take(met), sides[1]]) + self._on
+        near = np.flatnonzero(_may_hold(low, high, queries[:2]))
+        met, low, high = met.take(near), low.take(near, axis=1), high.take(near, axis=1)
         first = np.searchsorted(x, low[0], side="left")
         counts = np.searchsorted(x, high[0], side="right") - first
         for faces in blocks_of(counts, _BLOCK):
@@ -126,14 +129,14 @@ class Inside:
         return query[above], self._part[face[above]], seen[above]
 
 
-def _may_hold(boxes: tuple[Floats, Floats], places: Floats) -> Flags:
+def _may_hold(low: Floats, high: Floats, places: Floats) -> Flags:
     """Which boxes from low to high (2, m) are near one of some places (2, k); most hold none.
 
     Places are counted in a raster, whose sums over any rectangle are known at once: Crow 1984, doi
     10.1145/964965.808600.
     """
     origin, end = places.min(axis=1, keepdims=True), places.max(axis=1, keepdims=True)
-    (low, high), width = boxes, np.where(end > origin, end - origin, 1.0)
+    width = np.where(end > origin, end - origin, 1.0)
     beside = np.logical_and.reduce((low <= end) & (high >= origin))
     near = np.flatnonzero(beside)
 

@@ -280,9 +280,14 @@ class Surface:
     @cached_property
     def _inside(self) -> Inside:
         known = self.closing
+        if not len(known.rims):
+            is_own = known.triangles is self.triangles
+            corners = self.corners if is_own else np.ascontiguousarray(known.triangles.T)
+            return Inside(self.points, corners, known.part)
         points = np.vstack([self.points, known.middles(self.points)])
         triangles = np.vstack([known.triangles, known.fans(len(self.points))])
-        return Inside(points, triangles, np.r_[known.part, known.hole_part[known.hole]])
+        part = np.r_[known.part, known.hole_part[known.hole]]
+        return Inside(points, np.ascontiguousarray(triangles.T), part)
 
     @staticmethod
     def _with(points: Points, mesh: Mesh) -> Surface:
