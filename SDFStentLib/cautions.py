@@ -182,6 +182,11 @@ TEMPLATES = {
         "1.2 dilated again, of the descending aorta; in pulmonary arteries 1.5, and 1.88, of the "
         "distal artery, and a vessel that ruptured distal to its stent (Heart 2003;89:905)."
     ),
+    "hangs-free": (
+        "The stent hangs free over {free_mm:.1f} of its {length_mm:.1f} mm, where most of its "
+        "circumference touches no wall: it may slip or embolize; choose a wider one, or another "
+        "place. From a third on this is told; from which part on a stent slips, no source says."
+    ),
     "coarse-mesh": (
         "The mesh is coarse for the stent: half of its edges there are longer than {edge_mm:.2g} "
         "mm, the stent's radius is {stent_radius_mm:g} mm, and facets between their ends may miss "
@@ -255,6 +260,7 @@ GRAVEST = (
     "jagged-line",
     "changed-input",
     "outside-without-effect",
+    "hangs-free",
     "without-effect",
     "too-coarse",
     "facets-inside",

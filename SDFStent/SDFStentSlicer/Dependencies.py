@@ -20,8 +20,9 @@ class Standing(NamedTuple):
 
 def standing(parameterNode):
     """The `Standing` of a parameter node; changes nothing."""
-    stents = [stent for stent in stentsOf(parameterNode) if stent.enabled]
-    return Standing(_missing(parameterNode, stents), _signature(parameterNode, stents))
+    numbered = [(n, stent) for n, stent in enumerate(stentsOf(parameterNode)) if stent.enabled]
+    stents = [stent for _number, stent in numbered]
+    return Standing(_missing(parameterNode, stents), _signature(parameterNode, numbered))
 
 
 def inputNodes(parameterNode):
@@ -118,9 +119,13 @@ def places(parameterNode):
     ]
 
 
-def _signature(parameterNode, stents):
+def _signature(parameterNode, numbered):
     return (
         Conversion.inputStamp(parameterNode),
         tuple(vars(methodOf(parameterNode)).values()),
-        tuple((s.label, *Sizes.sizesOf(s), Conversion.changeStamp(s.handle)) for s in stents),
+        # Its number is a part of what is told of a stent.
+        tuple(
+            (number, stent.label, *Sizes.sizesOf(stent), Conversion.changeStamp(stent.handle))
+            for number, stent in numbered
+        ),
     )

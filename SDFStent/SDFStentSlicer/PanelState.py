@@ -14,6 +14,7 @@ from SDFStentLib.certificate import (
     NOT_CERTIFIED,
     NOT_READY,
 )
+from SDFStentLib.report import WARNING
 from SDFStentLib.validation import one_line, printable
 
 from . import Charts, Conversion, Flow, Outputs, Showing, Sizes, Tiles
@@ -87,12 +88,18 @@ KINDS = {
     **dict.fromkeys((CERTIFIED, CERTIFIED_IN_PIECES, CERTIFIED_OPEN), GOOD),
     **dict.fromkeys((NOT_READY, NOT_CERTIFIED), BAD),
 }
-"""By the last line of what stands beside a stent."""
+"""By the last line of what stands beside a stent, without a warning."""
 COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72, 0.45)}
-"""On `BACKGROUND`, which lets them be read on any view. What a color says stands in the last line, too."""
+"""On `BACKGROUND`, which lets them be read on any view. What a color says stands in one of the lines, too."""
 BACKGROUND = (0.08, 0.10, 0.13)
 """Nothing is seen through it: letters of the view's axes would be read as some of the lines."""
 LARGEST_FONT = 18
+
+
+def _kindOf(lines):
+    """Nothing is good beside a warning, whatever the certificate says; and a warning is one while a hand still moves."""
+    isWarned = any(line.startswith(WARNING) for line in lines)
+    return BAD if isWarned else KINDS.get(lines[-1], PENDING)
 
 
 class AtHand:
@@ -106,8 +113,7 @@ class AtHand:
         lines = text.split("\n")
         if text and instead:
             lines[-1] = instead
-        kind = KINDS.get(lines[-1], PENDING)
-        self.text, self.kind = "\n".join(lines), kind
+        self.text, self.kind = "\n".join(lines), PENDING if instead else _kindOf(lines)
         self.write()
 
     def write(self):

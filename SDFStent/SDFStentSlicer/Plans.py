@@ -36,15 +36,26 @@ from .StentList import StentList
 
 
 def plannedOf(parameterNode):
-    """The stents that are switched on, in order, as the library's stents."""
-    return _allPlanned([stent for stent in stentsOf(parameterNode) if stent.enabled])
+    """All stents in order as the library's: a number is that of the saved plan, also where stents above are switched off.
+
+    One that is off and lies nowhere yet is there by its name only.
+    """
+    return _allPlanned(stentsOf(parameterNode), isPlan=False)
 
 
-def _allPlanned(stents):
-    """The library's stents of some parameters, with those that are dilated again."""
-    redilations = [stent.redilation for stent in stents]
-    again = Sizes.numbersAgain(stents)
-    planned = [plannedStent(stent, number) for stent, number in zip(stents, again, strict=True)]
+def isUnplaced(stent, again=None):
+    """Whether it cannot be said yet where a stent lies, or what it is; `again` is the number of the one that it dilates again."""
+    isOrphan = stent.placement == Placement.AGAIN and again is None
+    return isOrphan or bool(Dependencies.missingOf(stent) or Sizes.refusal(stent))
+
+
+def _allPlanned(stents, isPlan=True):
+    """The library's stents of some parameters, with those that are dilated again; unless for a plan, `Sizes.nowhere` among them."""
+    planned, redilations = [], []
+    for stent, again in zip(stents, Sizes.numbersAgain(stents), strict=True):
+        isNowhere = not (isPlan or stent.enabled) and isUnplaced(stent, again)
+        planned.append(Sizes.nowhere(stent) if isNowhere else plannedStent(stent, again))
+        redilations.append(Sizes.WIDER * (stent.redilation > 0) if isNowhere else stent.redilation)
     return Sizes.withRedilations(planned, redilations)
 
 
@@ -98,11 +109,9 @@ def forgetMethod(parameterNode):
 
 def remember(parameterNode):
     """Keep the plan's document in the parameter node; without stents that are switched off and cannot be placed yet."""
-    placed = [
-        stent
-        for stent in stentsOf(parameterNode)
-        if not (Dependencies.missingOf(stent) or Sizes.refusal(stent))
-    ]
+    stents = stentsOf(parameterNode)
+    numbered = zip(stents, Sizes.numbersAgain(stents), strict=True)
+    placed = [stent for stent, again in numbered if not isUnplaced(stent, again)]
     parameterNode.planDocument = plan_text(planOf(parameterNode, placed))
 
 

@@ -144,10 +144,10 @@ class PreviewRun:
     def tubes(self):
         """Every stent as a `DrawnStent`."""
         return lying(
-            [
-                DrawnStent(one.stent, one.axis, one.stent.widest_diameter / 2)
+            {
+                one.number: DrawnStent(one.stent, one.axis, one.stent.widest_diameter / 2)
                 for one in self.state.stents
-            ]
+            }
         )
 
     def at(self, percent):

@@ -9,6 +9,7 @@ from slicer.i18n import tr as _
 from SDFStentLib.certificate import NOT_CERTIFIED
 from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.report import (
+    WARNING,
     contact_fact,
     coverage_fact,
     flow_moments,
@@ -150,7 +151,8 @@ def showMeasured(parameterNode, run):
 def _cautions(run):
     """What has to be known of the stents and of their sizes."""
     result = run.result
-    return [*result.warnings, *size_cautions(result.stents, run.lesions, run.label)]
+    told = [*result.warnings, *size_cautions(result.stents, run.lesions, run.label)]
+    return [one for one in told if one.kind != "switched-off"]  # the table says so
 
 
 def showSummary(parameterNode, run):
@@ -174,7 +176,11 @@ def showAtHand(parameterNode, run):
     """The few lines beside the selected stent."""
     stents = run.result.stents
     chosen = stents[selectedStent(parameterNode, run)]
-    lines = measured_lines(chosen, stents, run.lesions, run.result.certificate, _flowOf(run))
+    lines = measured_lines(
+        chosen, stents, run.lesions, run.result.certificate, _cautions(run), _flowOf(run)
+    )
+    if run.remark and not any(line.startswith(WARNING) for line in lines):
+        lines.insert(-1, _("{warning}the vessel, see Details").format(warning=WARNING))
     parameterNode.atHand = "\n".join(lines)
 
 

@@ -119,6 +119,16 @@ def somewhere(stent):
     return stentAt(stent, place())
 
 
+WIDER = 2.0
+"""To which a stent that is nowhere is dilated again, mm."""
+
+
+def nowhere(stent):
+    """A stent of the library that is switched off, 1 mm wide, in the place of one that cannot be made yet."""
+    place = library.AtCenter(np.zeros(3))
+    return library.Stent(1.0, placement=place, length=1.0, name=stent.label, enabled=False)
+
+
 def numbersAgain(stents):
     """For every stent of a list the number, from 1, of the planned one that it dilates again; None where there is none.
 
@@ -132,7 +142,8 @@ def numbersAgain(stents):
         isAgain = stent.placement == Placement.AGAIN
         numbers.append(latest.get(place) if isAgain else None)
         count += stent.redilation > 0
-        if not isAgain or (stent.enabled and place in latest):
+        # One that is off is not dilated again where another one lies there.
+        if stent.enabled if place in latest else not isAgain:
             latest[place] = count
     return numbers
 

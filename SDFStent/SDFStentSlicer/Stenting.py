@@ -22,14 +22,14 @@ class DrawnStent(NamedTuple):
 
 
 def lying(drawn):
-    """Stents, from the first one on, without those that a later one has dilated again: it is as wide by now."""
+    """Of stents by their numbers, from the first one on, those that no later one has dilated again: it is as wide by now."""
     outgrown = {
-        one.stent.placement.number - 1
-        for one in drawn
+        one.stent.placement.number
+        for one in drawn.values()
         if isinstance(one.stent.placement, OfStent)
-        and one.radius >= drawn[one.stent.placement.number - 1].radius
+        and one.radius >= drawn[one.stent.placement.number].radius
     }
-    return [one for place, one in enumerate(drawn) if place not in outgrown]
+    return [one for number, one in drawn.items() if number not in outgrown]
 
 
 class Stenting:
@@ -150,12 +150,12 @@ class Stenting:
             share = (percent / 100 - state.fraction) / (following.fraction - state.fraction)
             points = points + share * (following.points() - points)
             radius += share * (following.deployment.radius - radius)
-        done = [tube for number, tube in self._axes.items() if number < state.number]
-        return points, lying([*done, self._axes[state.number]._replace(radius=radius)])
+        done = {number: tube for number, tube in self._axes.items() if number < state.number}
+        return points, lying({**done, state.number: self._axes[state.number]._replace(radius=radius)})
 
     def end(self):
         """The final points, and every stent as a `DrawnStent`."""
-        return self.points, lying(self.drawn)
+        return self.points, lying(self._axes)
 
     @property
     def drawn(self):

@@ -50,7 +50,8 @@ def test_the_view_tells_of_the_stent_while_it_is_dragged_and_when_it_is_measured
     assert lines[1] == f"narrowest {treated.before.minimum:.1f} -> {treated.after.minimum:.1f} mm"
     assert lines[2].startswith(f"stenosis {lesion.before.percent_diameter:.0f} % -> ")
     assert lines[-1] == "certified for meshing"
-    assert len(lines) <= 6
+    assert lines[-2] == "warning: lesion 1 uncovered over 1.5 mm"
+    assert aStent._state.atHand.kind == "bad"
     assert annotation.GetTextProperty().GetBackgroundOpacity() == 1.0  # no letters of axes within
     good = annotation.GetTextProperty().GetColor()
     host.application.render(thePictures / "at_hand.png")
@@ -100,3 +101,72 @@ def test_flow_has_a_line_of_its_own(host, aStent):
     (line,) = [line for line in corner()[0] if line.startswith(("flow", "drop"))]
     moment = aStent.logic.lastRun(aStent._parameterNode).flow.after["mean"]
     assert line.endswith(f"-> {moment.drops[0].recovered.value:.1f} mmHg")
+
+
+def isWarned(panel):
+    return bool(panel._parameterNode.warningSummary)
+
+
+@pytest.mark.parametrize("diameter", [3.0, 4.0, 6.9, 8.5, 10.5])
+@pytest.mark.parametrize("length", [5.0, 20.0])
+def test_lines_are_green_only_where_the_panel_warns_of_nothing(host, aStent, diameter, length):
+    aStent.ui.diameterSlider.value, aStent.ui.lengthSlider.value = diameter, length
+    deploy(host, aStent)
+    lines, annotation = corner()
+    warned = [line for line in lines if line.startswith("warning: ")]
+    assert len(warned) == isWarned(aStent)
+    kinds = {"good": (0.62, 0.93, 0.66), "bad": (1.0, 0.72, 0.45)}
+    wanted = "bad" if warned else "good"
+    assert aStent._state.atHand.kind == wanted
+    assert annotation.GetTextProperty().GetColor() == pytest.approx(kinds[wanted])
+    count = aStent._parameterNode.warningSummary.count("Warning: ")
+    assert f", {count - 1} more" in warned[0] if count > 1 else "more" not in "".join(warned)
+    assert lines[-1] == "certified for meshing"
+
+
+def test_the_gravest_warning_of_all_stents_is_told_of_any(host, aStent):
+    host.click(aStent.ui.copyStentButton)
+    aStent.ui.diameterSlider.value = 4.0  # hangs free
+    deploy(host, aStent)
+    for row in (0, 1):
+        aStent.ui.stentTable.selectRow(row)
+        host.process()
+        (line,) = [line for line in corner()[0] if line.startswith("warning")]
+        assert line.startswith("warning: hangs free over ")
+        assert aStent._state.atHand.kind == "bad"
+
+
+def test_a_warning_of_the_vessel_is_one(host, aStent):
+    run = None
+    deploy(host, aStent)
+    run = aStent.logic.lastRun(aStent._parameterNode)
+    run.remark = "Artery is 0.12 mm long, unusual for a vessel."
+    from SDFStentSlicer import Results
+
+    Results.showMeasured(aStent._parameterNode, run)
+    host.process()
+    assert aStent._state.atHand.kind == "bad"
+
+
+def test_a_hand_that_goes_on_is_warned_already(host, aStent):
+    host.processUntil(lambda: not aStent.lesions.isBusy)
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    aStent.ui.diameterSlider.value = 11.0
+    host.processUntil(lambda: corner()[0][-1] == "preview")
+    (line,) = [line for line in corner()[0] if line.startswith("warning")]
+    assert line.startswith("warning: overdilated 1.")
+    assert aStent._state.atHand.kind == "bad"
+
+
+def test_what_matters_for_safety_gives_way_to_no_flow(host, aStent):
+    aStent.ui.flowMeanSpinBox.value, aStent.ui.lengthSlider.value = 3.0, 20.0
+    aStent.ui.diameterSlider.value = 6.0
+    deploy(host, aStent)
+    lines = corner()[0]
+    treated = aStent.logic.lastRun(aStent._parameterNode).result.stents[0]
+    found = treated.apposition
+    told = f"off the wall over {found.free_length:.0f} of {found.length:.0f} mm"
+    assert (told in lines) == (found.free_length > 0)
+    assert found.free_length > 0
+    assert any(line.startswith(("flow", "drop")) for line in lines)

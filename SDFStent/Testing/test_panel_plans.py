@@ -180,7 +180,7 @@ def test_the_table_says_what_the_results_say(host, aPlan):
         f"{treated.after.inscribed_diameter.min():.1f} mm",
         f"{left:.0f} %" if left >= 0.5 else "none",
         branches,
-        "meshable",
+        "certified for meshing",
     ]
     aPlan.ui.diameterSlider.value = 8.0
     assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")

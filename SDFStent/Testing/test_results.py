@@ -95,7 +95,7 @@ def test_a_result_is_told_by_tiles_with_warnings_first(host, aStent):
     tiles = {one.name: one for one in tilesOf(parameters)}
     assert tiles["Narrowest lumen"].value == f"{stent.after.minimum:.1f} mm"
     assert tiles["Narrowest lumen"].beneath.startswith(f"before {stent.before.minimum:.1f}")
-    assert tiles["Surface"].value == "meshable"
+    assert tiles["Surface"].value == "certified for meshing"
     assert ui.tilesLabel.visible
     assert all(one.value in ui.tilesLabel.text for one in tiles.values())
     assert ui.detailsCollapsibleButton.collapsed  # sentences are a click away

@@ -22,6 +22,7 @@ from .flow import flow_section as flow_section
 from .flow import flow_sentences as flow_sentences
 from .flow import stents_in as stents_in
 from .glance import COMPARED as COMPARED
+from .glance import WARNING as WARNING
 from .glance import Tile as Tile
 from .glance import measured_lines as measured_lines
 from .glance import measuring_lines as measuring_lines

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..cautions import GRAVEST, Caution
+from ..cautions import Caution, by_gravity
 from ..certificate import (
     CERTIFIED,
     CERTIFIED_IN_PIECES,
@@ -24,26 +24,41 @@ from ..treatment import (
     TreatedStent,
     branches_beside,
     residual_of,
+    stent_ratios,
 )
-from ..vessel import Lesion
+from ..vessel import Lesion, lesions_within
 from .facts import ALL_ROUND, CONTACT
 from .flow import share_gained
 from .words import degree_word, number_text
 
 PREVIEW, MEASURING = "preview", "measuring..."
 UNCOVERED = "no lesion covered"
-MOST_LINES = 6
+WARNING = "warning: "
+"""What a line begins with that tells of one: whoever colors lines goes by that."""
 
 WARNINGS = "Warnings"
 LUMEN, STENOSIS, BRANCHES, SURFACE = "Narrowest lumen", "Stenosis left", "Branches", "Surface"
 _OF_SURFACE = {
-    CERTIFIED: ("meshable", ""),
-    CERTIFIED_OPEN: ("meshable", "once its openings are closed"),
-    CERTIFIED_IN_PIECES: ("meshable", "once its points are merged"),
+    CERTIFIED: (CERTIFIED, ""),
+    CERTIFIED_OPEN: (CERTIFIED, "once its openings are closed"),
+    CERTIFIED_IN_PIECES: (CERTIFIED, "once its points are merged"),
     NOT_READY: ("not ready for a mesher", "no worse than before"),
-    NOT_CERTIFIED: ("not certified", ""),
+    NOT_CERTIFIED: (NOT_CERTIFIED, ""),
 }
 """Its tile, by the word of the certificate."""
+_SHORT = {
+    "hangs-free": "hangs free over {free_mm:.0f} of {length_mm:.0f} mm",
+    "lesion-uncovered": "lesion {lesion} uncovered over {uncovered_mm:.1f} mm",
+    "shortened": "{available_mm:.0f} of {prescribed_mm:.0f} mm lie on the vessel",
+    "narrower": "{percent:.0f} % narrower than prescribed",
+    "narrowed": "narrowed to {minimum_mm:.1f} mm by later stents",
+    "overdilated": "overdilated {times:.1f} x",
+    "neighbor-narrowed": "{name} narrowed {before_mm:.1f} -> {after_mm:.1f} mm",
+    "overlap": "overlap of {length_mm:.1f} mm",
+    "ratio-adjacent": "{ratio:.2f} x as wide as the healthy vessel",
+    "ratio-stenosis": "balloon {ratio:.1f} x as wide as the stenosis",
+}
+"""Of a warning in a line; others are called by their kind."""
 COMPARED = (LUMEN, STENOSIS, BRANCHES, SURFACE)
 """The tiles that every result has: what differs between plans."""
 
@@ -77,7 +92,13 @@ def previewed_lines(
         told.append(UNCOVERED)
     if numbers.covered is not None and numbers.covered[0] != numbers.covered[1]:
         told.append("branches: {} -> about {} covered".format(*numbers.covered))
-    return [*told, PREVIEW]
+    return [*told, *_warning_line(_ratio_cautions(placed, lesions)), PREVIEW]
+
+
+def _ratio_cautions(placed: PlacedStent, lesions: Sequence[Lesion]) -> list[Caution]:
+    """Of a stent against the tightest lesion that it covers."""
+    covered = lesions_within(lesions, placed.axis.points)[:1]
+    return [one for lesion in covered for one in stent_ratios(placed.stent, lesion).cautions()]
 
 
 def _about(percent: float) -> str:
@@ -95,9 +116,12 @@ def measured_lines(
     stents: Sequence[TreatedStent],
     lesions: Sequence[TreatedLesion] | None,
     certificate: Certificate | None,
+    cautions: Sequence[Caution] = (),
     flow: Mapping[str, Any] | None = None,
 ) -> list[str]:
-    """Of a stent after its deployment, at most `MOST_LINES`; the last is the certificate's word.
+    """Of a stent after its deployment, at most eight; the last is the certificate's word.
+
+    Before that is the gravest warning, where there is one, that of the stent first of equals.
 
     Parameters
     ----------
@@ -109,6 +133,8 @@ def measured_lines(
         Of the vessel; None where none were looked for.
     certificate : Certificate or None
         Of the surface with all stents; None where none was asked for.
+    cautions : sequence of Caution
+        All that there are of the treatment.
     flow : mapping, optional
         `flow_section` before and after treatment.
     """
@@ -117,12 +143,21 @@ def measured_lines(
         _size(treated),
         f"narrowest {' -> '.join(number_text(one, 1) for one in lumens)} mm",
         _left(treated, stents, lesions or ()),
-        _branches(treated),
         "" if flow is None else _flow(flow, treated.number),
+        _branches(treated),
         _contact(treated),
+        *_warning_line(sorted(cautions, key=lambda one: one.stent != treated.number)),
     ]
-    told = [line for line in told if line][: MOST_LINES - 1]
-    return [*told, _word(certificate)]
+    return [*filter(None, told), _word(certificate)]
+
+
+def _warning_line(cautions: Sequence[Caution]) -> list[str]:
+    """The gravest of warnings, and how many others there are; nothing without any."""
+    if not cautions:
+        return []
+    first, *others = by_gravity(cautions)
+    words = _SHORT.get(first.kind, first.kind.replace("-", " ")).format_map(first.numbers)
+    return [f"{WARNING}{words}{f', {len(others)} more' if others else ''}"]
 
 
 def _word(certificate: Certificate | None) -> str:
@@ -145,11 +180,19 @@ def _left(
     if not lesions:
         return ""
     if not covered or left is None:
-        points = np.array([one.after.point for one in lesions])
-        beside = lesions[int(treated.axis.line.nearest(points).distances.argmin())]
+        beside = _nearest_lesion([treated], lesions)
         degree = degree_word(beside.after.percent_diameter)
         return f"{UNCOVERED}; lesion {beside.number}: {degree} left"
     return f"stenosis {degree_word(max(covered))} -> {degree_word(left.percent)}"
+
+
+def _nearest_lesion(
+    stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]
+) -> TreatedLesion:
+    """The lesion that is nearest to a stent."""
+    points = np.array([one.after.point for one in lesions])
+    apart = [one.axis.line.nearest(points).distances for one in stents]
+    return lesions[int(np.min(apart, axis=0).argmin())]
 
 
 def _branches(treated: TreatedStent) -> str:
@@ -232,7 +275,8 @@ def result_tiles(
         *([] if flow is None else _flowing(flow, [one.number for one in stents])),
         _surface(certificate),
     ]
-    return sorted(tiles, key=lambda tile: not tile.is_caution)
+    # What is the engineer's comes last, whatever it says.
+    return sorted(tiles, key=lambda tile: (tile.name == SURFACE, not tile.is_caution))
 
 
 def _surface(certificate: Certificate | None) -> Tile:
@@ -244,8 +288,7 @@ def _warnings(cautions: Sequence[Caution]) -> Iterator[Tile]:
     """How many there are, and of what, the gravest first."""
     if not cautions:
         return
-    rank = {kind: place for place, kind in enumerate(GRAVEST)}
-    kinds = sorted({one.kind for one in cautions}, key=lambda kind: rank.get(kind, len(rank)))
+    kinds = dict.fromkeys(one.kind for one in by_gravity(cautions))
     topics = ", ".join(kind.replace("-", " ") for kind in kinds)
     yield Tile(WARNINGS, str(len(cautions)), topics, True)
 
@@ -264,9 +307,12 @@ def _lumen(stents: Sequence[TreatedStent]) -> Tile:
 
 def _stenosis(stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]) -> Tile:
     left = residual_of(lesions, stents)
+    if left is None and lesions:
+        beside = _nearest_lesion(stents, lesions)
+        beneath = f"{UNCOVERED}; that of lesion {beside.number}"
+        return Tile(STENOSIS, degree_word(beside.after.percent_diameter), beneath, True)
     if left is None:
-        none = "no lesion is covered" if lesions else "no lesions are known"
-        return Tile(STENOSIS, degree_word(None), none)
+        return Tile(STENOSIS, degree_word(None), "no lesions are known")
     # There is one: else nothing would be said to be left.
     before = degree_word(max(one.before.percent_diameter for one in lesions if one.stents))
     beneath = f"before {before}, healthy {number_text(left.reference, 1)} mm"

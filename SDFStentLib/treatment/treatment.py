@@ -51,6 +51,7 @@ from .value import (
 )
 from .warnings import (
     check_width,
+    hangs_free,
     narrowed,
     narrowed_neighbors,
     nothing_moved,
@@ -338,6 +339,7 @@ class Treatment:
             coarse = [*too_coarse(check, stage.deployment.surface, after)]
         left = None if is_first else self._found_lumen(stage, done)
         yield from nothing_moved(done, left, coarse)
+        yield from hangs_free(done)
         yield from coarse
         yield from self._narrowed(stage, done)
         if stage.result.relief is not None:

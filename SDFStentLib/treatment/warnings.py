@@ -22,6 +22,13 @@ from .value import TreatedStent
 WIDEST = 4.0
 """Largest diameter of a stent over that of the lumen; more is another unit or a slip."""
 
+HANGING = 1 / 3
+"""Part of a stent that hangs free from which on that is told: a round number, for want of a source.
+
+Of 14 stents by the rule of sizing, in six vessels, most hung free over nothing, two over 12 and
+30 %; three that were a quarter narrower than their vessel over 95 % and more.
+"""
+
 _SPACING, _ROUNDING = 0.1, 1e-6
 
 
@@ -102,6 +109,15 @@ def nothing_moved(
         yield Caution("without-effect", numbers)
     else:
         yield Caution("outside-without-effect", {"stent_diameter_mm": diameter})
+
+
+def hangs_free(treated: TreatedStent) -> Iterator[Caution]:
+    """Whether a stent hangs free over so much of its length that it may not stay where it is."""
+    found = treated.apposition
+    if found is not None and found.hanging_length >= HANGING * found.length:
+        yield Caution(
+            "hangs-free", {"free_mm": found.hanging_length, "length_mm": found.length}
+        )
 
 
 def narrowed(own: DiameterProfile, final: DiameterProfile) -> Iterator[Caution]:

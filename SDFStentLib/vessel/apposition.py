@@ -19,6 +19,9 @@ GAP = 0.3
 NOTICED = 0.1
 """Share of the circumference from which a piece of the stent belongs to a free stretch."""
 
+MOST = 0.5
+"""Share of the circumference above which a piece of the stent hangs free."""
+
 SPACING = 0.5
 """Of the stations, mm."""
 
@@ -57,6 +60,14 @@ class Apposition:
     def free_length(self) -> float:
         """Length of all stretches together, mm."""
         return float(sum(stretch.end - stretch.start for stretch in self.stretches))
+
+    @property
+    def hanging_length(self) -> float:
+        """Length over which most of the circumference touches no wall, mm.
+
+        Across an ostium a part of it never does, though the stent is held there.
+        """
+        return float((self.free_share > MOST).mean() * self.length)
 
     @property
     def is_loose(self) -> bool:
