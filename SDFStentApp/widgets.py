@@ -248,6 +248,7 @@ class Section(Widget):
 
     edited = "collapsed"
     collapsed = shown(False, "contentsCollapsed")
+    collapsedHeight = shown(10)
 
     def edit(self, value: Any) -> None:
         if isinstance(value, bool):

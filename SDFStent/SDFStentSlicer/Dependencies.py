@@ -79,7 +79,12 @@ def missingOf(stent):
         return _(
             "{label}: choose a markups curve as its handle, or create a new one there and draw it with Place."
         ).format(label=stent.label)
-    if stent.handle.GetNumberOfDefinedControlPoints() < stent.placement.pointCount:
+    count = stent.handle.GetNumberOfDefinedControlPoints()
+    if stent.placement == Placement.ALONG_CURVE and count < stent.placement.pointCount:
+        return _(
+            "{label}: click along its axis into a view, at two places at least; Esc ends that."
+        ).format(label=stent.label)
+    if count < stent.placement.pointCount:
         return _("{label}: place {count} point(s) of its handle in a view.").format(
             label=stent.label, count=stent.placement.pointCount
         )

@@ -185,10 +185,14 @@ class PanelState:
             [one for one in inputs if isIt(one)]
             for isIt in (Conversion.hasWall, Conversion.hasLines)
         )
-        isChosen = parameterNode.vessel is not None or parameterNode.centerline is not None
         others = slicer.util.getNodesByClass("vtkMRMLSegmentationNode")
-        if not isChosen and len(walls) == len(lines) == 1 and walls != lines and not others:
-            parameterNode.vessel, parameterNode.centerline = walls[0], lines[0]
+        if others or walls == lines:
+            return
+        with slicer.util.NodeModify(parameterNode):
+            if parameterNode.vessel is None and len(walls) == 1:
+                parameterNode.vessel = walls[0]
+            if parameterNode.centerline is None and len(lines) == 1:
+                parameterNode.centerline = lines[0]
 
     def offer(self, parameterNode):
         """Offer no results, lines or walls where they are no inputs, unless one is chosen already. An empty model may become either."""

@@ -144,9 +144,15 @@ class StentButtons:
         lesion = self.lesions.selected
         if lesion is None:
             self._step(lambda: self.logic.addStent(self._parameterNode))
+            self._letDraw()
         else:
             self._step(lambda: self.logic.addStentAt(self._parameterNode, lesion))
             self.lesions.clearSelection()
+
+    def _letDraw(self):
+        """Let the next clicks draw the axis of a new stent, where it has no other place."""
+        if len(self.stents) and self._parameterNode.centerline is None:
+            self.ui.placeWidget.placeModeEnabled = True
 
     def onSuggest(self):
         lesion = self.lesions.selected

@@ -151,7 +151,9 @@ class Stenting:
             points = points + share * (following.points() - points)
             radius += share * (following.deployment.radius - radius)
         done = {number: tube for number, tube in self._axes.items() if number < state.number}
-        return points, lying({**done, state.number: self._axes[state.number]._replace(radius=radius)})
+        return points, lying(
+            {**done, state.number: self._axes[state.number]._replace(radius=radius)}
+        )
 
     def end(self):
         """The final points, and every stent as a `DrawnStent`."""

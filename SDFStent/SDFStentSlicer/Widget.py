@@ -28,6 +28,7 @@ from .StentButtons import StentButtons
 from .StentEnds import StentEnds
 from .StentList import StentList
 from .StentTable import StentTable
+from .TypedNumbers import TypedNumbers
 
 
 class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -38,7 +39,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         VTKObservationMixin.__init__(self)
         self.logic = logic
         self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
-        self._size = self._parameterNode = self._binding = self._lastSet = self._leavings = None
+        self._size = self._typed = self._parameterNode = self._binding = self._lastSet = (
+            self._leavings
+        ) = None
         self._present, self._chosen, self._timers = [], None, []
         self._inputs = InputWatch(
             self.onInputModified, self.onHandleGrabbed, self.onHandleReleased, self.onHandleMoved
@@ -66,7 +69,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     def _makeSections(self, uiWidget):
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
-        self._size = PanelSize(uiWidget)
+        self._size, self._typed = PanelSize(uiWidget), TypedNumbers(uiWidget, self._attempt)
         self._state = PanelState(self.ui, self.logic, self.session, self._size)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(

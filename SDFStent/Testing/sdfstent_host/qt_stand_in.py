@@ -17,6 +17,7 @@ NOT_AS_ATTRIBUTE = {"sizeHint", "minimumSizeHint", "singleShot", "objectName"}
 VIRTUAL = ("QProgressBar", "text")
 """Qt itself asks Python for it: as an attribute it would ask itself without end."""
 _wrapped = {}
+QtWidgets.QLineEdit.className = lambda _self: "QLineEdit"  # also of those that Qt makes itself
 
 
 class SignalStrings:

@@ -16,9 +16,6 @@ from SDFStentApp import selectors, widgets
 
 from .qt_stand_in import wrapped
 
-COLLAPSED_HEIGHT = 10
-"""Of the frame below a closed section, as in CTK."""
-
 
 class Skin:
     """A widget of Qt that is one of the page's values as well: `_show` is called when that has changed."""
@@ -75,7 +72,7 @@ class ctkCollapsibleButton(Skin, widgets.Section, QtWidgets.QWidget):
         return self._closedSize() if self.collapsed else super().minimumSizeHint()
 
     def _closedSize(self):
-        return self._header.sizeHint() + QSize(0, COLLAPSED_HEIGHT)
+        return self._header.sizeHint() + QSize(0, self.collapsedHeight)
 
     def resizeEvent(self, event):
         self._header.setGeometry(0, 0, event.size().width(), self._header.sizeHint().height())

@@ -1,0 +1,70 @@
+"""Numbers that are typed: with a comma as with a point, and refused with a sentence rather than by cutting what does not fit."""
+
+import math
+
+import slicer
+
+from SDFStentLib.validation import InputError
+
+
+class TypedNumbers:
+    """Watches all spin boxes of a panel. `attempt(action)` says why where an action raises.
+
+    By itself a spin box takes no key that would lead beyond its ends, nor the comma of half the world: "7,5" became 7, "99" 9.
+    """
+
+    def __init__(self, panel, attempt):
+        self._boxes = [
+            TypedNumber(edit, attempt)
+            for edit in slicer.util.findChildren(panel, className="QLineEdit")
+            if edit.parent().property("singleStep") is not None
+        ]
+
+
+class TypedNumber:
+    """One spin box and what is typed into its `edit`."""
+
+    def __init__(self, edit, attempt):
+        self._edit, self._box, self._attempt = edit, edit.parent(), attempt
+        self._typed = None
+        edit.setValidator(None)
+        edit.textEdited.connect(self._onTyped)
+        self._box.editingFinished.connect(self._onFinished)
+
+    def _onTyped(self, text):
+        self._typed = text.replace(",", ".")
+        if text != self._typed:
+            at = self._edit.property("cursorPosition")
+            self._edit.setText(self._typed)
+            self._edit.setProperty("cursorPosition", at)
+
+    def _onFinished(self):
+        typed, self._typed = self._typed, None
+        if typed is not None:
+            self._attempt(lambda: self._take(typed))
+
+    def _take(self, typed):
+        value = self._numberOf(typed)
+        least, most = (self._box.property(name) for name in ("minimum", "maximum"))
+        if value is None or not least <= value <= most:
+            unit = self._box.property("suffix")
+            got = typed.strip() if value is None else f"{value:g}{unit}"
+            raise InputError(
+                f"Expected {least:g} to {most:g}{unit}, got {got or 'nothing'}; it stays {self._box.property('value'):g}{unit}."
+            )
+        if self._box.property("value") != value:
+            self._box.setProperty("value", value)
+
+    def _numberOf(self, typed):
+        """What was typed as a number; None for what is none. A special text stands for the least one."""
+        text = typed.strip()
+        if text == self._box.property("specialValueText").strip() != "":
+            return self._box.property("minimum")
+        unit = self._box.property("suffix").strip()
+        while unit and text.endswith(unit):  # that of the box, and one that was typed
+            text = text.removesuffix(unit).rstrip()
+        try:
+            value = float(text)
+        except ValueError:
+            return None
+        return value if math.isfinite(value) else None
