@@ -183,9 +183,9 @@ TEMPLATES = {
         "distal artery, and a vessel that ruptured distal to its stent (Heart 2003;89:905)."
     ),
     "hangs-free": (
-        "The stent hangs free over {free_mm:.1f} of its {length_mm:.1f} mm, where most of its "
-        "circumference touches no wall: it may slip or embolize; choose a wider one, or another "
-        "place. From a third on this is told; from which part on a stent slips, no source says."
+        "The stent hangs free over {free_mm:.1f} of its {length_mm:.1f} mm, off the wall all round "
+        "or nearly: it may slip or embolize; choose a wider one, or another place (no source says "
+        "from which part on, a third is told)."
     ),
     "coarse-mesh": (
         "The mesh is coarse for the stent: half of its edges there are longer than {edge_mm:.2g} "

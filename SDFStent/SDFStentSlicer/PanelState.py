@@ -273,7 +273,9 @@ class PanelState:
         isOld = not isRenewed and self._logic.hasChanged(parameterNode, standing)
         tiles = Tiles.tilesOf(parameterNode)
         hasResult = bool(parameterNode.lumenSummary)
-        self.ui.tilesLabel.text = Tiles.html(tiles) if tiles else escape(parameterNode.lumenSummary)
+        label = self.ui.tilesLabel
+        shown = Tiles.html(tiles, Tiles.isDark(label))
+        label.text = shown if tiles else escape(parameterNode.lumenSummary)
         self.ui.tilesLabel.visible = hasResult
         self.ui.detailsCollapsibleButton.visible = hasResult
         # In words: gray text is hardly legible in a dark style.

@@ -3,16 +3,21 @@
 import json
 from html import escape
 
-from SDFStentLib.report import Tile
+from SDFStentLib.report import COMPARED, Tile
 
 from .PanelParts import cut
 
-IN_A_ROW = 3
+SURFACE, IN_A_ROW = COMPARED[-1], 3
+MIDDLE = 128
+"""Of the lightness of a color, 0 to 255."""
 LONGEST = 44
 """Characters beneath a value, two lines: all words are in *Details*, and what lies below the tiles stays where it is."""
 
-CAUTION = "background-color: #fdf0e6; color: #8a3b12"
-"""Both are named, to be read in a light style and in a dark one."""
+CAUTIONS = {
+    False: "background-color: #fdf0e6; color: #8a3b12",
+    True: "background-color: #4a3018; color: #ffc48f",
+}
+"""Both colors are named, in a light style and in a dark one."""
 
 
 def tilesOf(parameterNode):
@@ -20,18 +25,26 @@ def tilesOf(parameterNode):
     return [Tile(*values) for values in json.loads(parameterNode.tiles or "[]")]
 
 
-def html(tiles):
-    """Rows of tiles for a label: name small, value large, before and reference small beneath."""
-    rows = [tiles[first : first + IN_A_ROW] for first in range(0, len(tiles), IN_A_ROW)]
-    cells = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
-    return f'<table width="100%" cellpadding="2" cellspacing="0">{cells}</table>'
+def isDark(widget):
+    """Whether a widget has a dark style; the page's have none, for it shows tiles of its own."""
+    palette = getattr(widget, "palette", None)
+    return palette is not None and palette.color(widget.backgroundRole()).lightness() < MIDDLE
 
 
-def _cell(tile):
-    look = f' style="{CAUTION}"' if tile.is_caution else ""
+def html(tiles, isDark=False):
+    """Rows of tiles for a label: name small, value large, before and reference small beneath; the last value, the engineer's, is small."""
+    cells = [_cell(tile, isDark, tile is tiles[-1]) for tile in tiles]
+    rows = [cells[first : first + IN_A_ROW] for first in range(0, len(cells), IN_A_ROW)]
+    content = "".join(f"<tr>{''.join(row)}</tr>" for row in rows)
+    return f'<table width="100%" cellpadding="1" cellspacing="0">{content}</table>'
+
+
+def _cell(tile, isDark, isLast):
+    look = f' style="{CAUTIONS[isDark]}"' if tile.is_caution else ""
+    size = "small" if isLast and tile.name == SURFACE else "large"
     name, value, beneath = (escape(cut(text, LONGEST)) for text in tile[:3])
+    below = f'<br><span style="font-size: small">{beneath}</span>' if beneath else ""
     return (
         f'<td width="{100 // IN_A_ROW}%"{look}><span style="font-size: small">{name}</span><br>'
-        f'<span style="font-size: large; font-weight: 600">{value}</span><br>'
-        f'<span style="font-size: small">{beneath}</span></td>'
+        f'<span style="font-size: {size}; font-weight: 600">{value}</span>{below}</td>'
     )

@@ -61,6 +61,7 @@ class TypedNumber:
         if text == self._box.property("specialValueText").strip() != "":
             return self._box.property("minimum")
         unit = self._box.property("suffix").strip()
+        # Ends: every turn takes some of the text.
         while unit and text.endswith(unit):  # that of the box, and one that was typed
             text = text.removesuffix(unit).rstrip()
         try:

@@ -1,5 +1,8 @@
 """How the panel looks: in a narrow window, in any palette, while something runs."""
 
+import re
+
+import pytest
 import slicer
 from panel_helpers import deploy, settle
 
@@ -270,3 +273,45 @@ def test_no_panel_is_measured_once_it_is_gone(host, aScene, theModule, monkeypat
     host.process()
     assert fitted == []
     host.closePanel(panel)
+
+
+def luminance(color):
+    """Of a color by its hexadecimal digits, as WCAG 2.1 has it."""
+    parts = [int(color[1 + 2 * i : 3 + 2 * i], 16) / 255 for i in range(3)]
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one, other):
+    dark, light = sorted(map(luminance, (one, other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+@pytest.mark.parametrize("window", ["#efefef", "#323232", "#1e1e1e"])
+def test_a_warning_fits_the_style(host, aStent, window, thePictures):
+    from PySide6 import QtGui, QtWidgets
+
+    palette = QtGui.QPalette(QtGui.QColor(window))
+    QtWidgets.QWidget.setPalette(aStent.parent, palette)
+    deploy(host, aStent)
+    ((ground, ink),) = set(
+        re.findall(r'"background-color: (#\w+); color: (#\w+)"', aStent.ui.tilesLabel.text)
+    )
+    assert contrast(ground, ink) > 4.5
+    assert contrast(ground, window) < 1.6  # no lamp in a dark room
+    host.grab(aStent.parent, thePictures / f"tiles_{window[1:]}.png")
+
+
+def test_a_closed_section_is_as_high_as_its_header(host, aStent):
+    host.process()
+    for name, section in vars(aStent.ui).items():
+        if name.endswith("CollapsibleButton") and section.collapsed and section.isVisible():
+            assert section.height == section._header.height(), name
+
+
+def test_the_certificate_comes_last_and_small(host, aStent):
+    deploy(host, aStent)
+    text = aStent.ui.tilesLabel.text
+    sizes = re.findall(r"font-size: (\w+); font-weight: 600", text)
+    assert sizes == [*(len(sizes) - 1) * ["large"], "small"]
+    assert text.rindex("certified for meshing") > text.rindex("font-weight")

@@ -48,7 +48,7 @@ def watched(host, aStent):
 def drag(host, panel):
     for x in (0.5, 1.0, 1.5):
         panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(
-            0, *(theThroat() + [0, 0, x])
+            0, *np.add(theThroat(), [0, 0, x])
         )
         host.process(0.05)
 
@@ -78,7 +78,7 @@ def test_one_outline_is_seen_whatever_changes(host, watched, change, isLive):
 
 
 def test_who_has_hidden_the_outline_is_shown_none(host, watched):
-    panel, vessel, counts = watched
+    panel, _vessel, counts = watched
     deploy(host, panel)
     panel._parameterNode.outputVessel.GetDisplayNode().SetVisibility2D(False)
     counts.clear()

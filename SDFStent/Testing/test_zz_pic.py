@@ -1,5 +1,4 @@
-import pytest
-from panel_helpers import deploy, settle
+from panel_helpers import deploy
 from PySide6 import QtWidgets
 
 

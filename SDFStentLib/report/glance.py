@@ -50,12 +50,9 @@ _SHORT = {
     "hangs-free": "hangs free over {free_mm:.0f} of {length_mm:.0f} mm",
     "lesion-uncovered": "lesion {lesion} uncovered over {uncovered_mm:.1f} mm",
     "shortened": "{available_mm:.0f} of {prescribed_mm:.0f} mm lie on the vessel",
-    "narrower": "{percent:.0f} % narrower than prescribed",
-    "narrowed": "narrowed to {minimum_mm:.1f} mm by later stents",
     "overdilated": "overdilated {times:.1f} x",
     "neighbor-narrowed": "{name} narrowed {before_mm:.1f} -> {after_mm:.1f} mm",
     "overlap": "overlap of {length_mm:.1f} mm",
-    "ratio-adjacent": "{ratio:.2f} x as wide as the healthy vessel",
     "ratio-stenosis": "balloon {ratio:.1f} x as wide as the stenosis",
 }
 """Of a warning in a line; others are called by their kind."""

@@ -25,8 +25,9 @@ WIDEST = 4.0
 HANGING = 1 / 3
 """Part of a stent that hangs free from which on that is told: a round number, for want of a source.
 
-Of 14 stents by the rule of sizing, in six vessels, most hung free over nothing, two over 12 and
-30 %; three that were a quarter narrower than their vessel over 95 % and more.
+Of 15 stents by the rule of sizing, in five vessels, 13 hung free over at most 3 %, two over 12 and
+30 %, across ostia. At a lesion, 0.7 times as wide as the healthy vessel, one hung free over 48 %,
+0.8 times over 26 %; beside lesions those of 0.9 times and less over 59 % and more.
 """
 
 _SPACING, _ROUNDING = 0.1, 1e-6
@@ -115,9 +116,7 @@ def hangs_free(treated: TreatedStent) -> Iterator[Caution]:
     """Whether a stent hangs free over so much of its length that it may not stay where it is."""
     found = treated.apposition
     if found is not None and found.hanging_length >= HANGING * found.length:
-        yield Caution(
-            "hangs-free", {"free_mm": found.hanging_length, "length_mm": found.length}
-        )
+        yield Caution("hangs-free", {"free_mm": found.hanging_length, "length_mm": found.length})
 
 
 def narrowed(own: DiameterProfile, final: DiameterProfile) -> Iterator[Caution]:
