@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from .units import MILLIMETERS
+from .units import in_file
 from .validation import InputError, Place
 
 _BESIDE = (
@@ -341,22 +341,8 @@ def by_gravity(cautions: Iterable[Caution]) -> list[Caution]:
     return sorted(cautions, key=lambda caution: order.get(caution.kind, len(order)))
 
 
-def told_place(place: Place, units: str) -> str:
-    """A place to a tenth of a millimeter, and in the unit of the file where that is another."""
-    x, y, z = place
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm{in_file(place, units)}"
-
-
 def reason_of(error: Exception, units: str) -> str:
     """The sentence of a refusal, its place also in the unit of the file."""
     if isinstance(error, InputError):
         return error.sentence({}, in_file(error.place, units))
     return str(error)
-
-
-def in_file(place: Place | None, units: str) -> str:
-    """A place in mm in the unit of the file, to stand behind that in mm; empty where that is it."""
-    if place is None or units == "mm":
-        return ""
-    numbers = ", ".join(f"{value / MILLIMETERS[units]:.4g}" for value in place)
-    return f" (in the file {numbers} {units})"

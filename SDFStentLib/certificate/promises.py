@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..cautions import Caution, told_place
+from ..cautions import Caution
+from ..units import told_place
 from ..validation import Place
 
 NARROWER = 0.03

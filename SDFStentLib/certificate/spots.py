@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..cautions import told_place
 from ..geometry import component_labels
+from ..units import told_place
 from ..validation import Indices, Place, Points, Triangles, as_place
 
 

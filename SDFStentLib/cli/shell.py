@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import TextIO
 
-from ..cautions import in_file
 from ..files import cannot_write
+from ..units import in_file
 from ..validation import DeploymentError, InputError
 from .console import Console, error_line, remedies_of
 from .options import parser

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..cautions import told_place
 from ..certificate import Certificate, LumenCheck, MotionCheck
 from ..field import CapsuleChain, as_chain, radius_correction
 from ..geometry import (
@@ -21,6 +20,7 @@ from ..geometry import (
     side_lengths,
     signed_volume,
 )
+from ..units import told_place
 from ..validation import DeploymentError, Points, Triangles, as_length, as_place, as_points
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .stent_checks import Expected, lumen_check

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..cautions import in_file
 from ..centerline import Centerline, Location
 from ..geometry import NamedFaces, Surface, oriented_triangles
+from ..units import in_file
 from ..validation import Indices, Points
 from .branch_names import branch_names, faces_at_ends
 from .tree_around import branch_of
