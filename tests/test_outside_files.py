@@ -429,6 +429,8 @@ DICOM = bytes(128) + b"DICM" + bytes(100)
         ("a.nrrd", NRRD, "an image (NRRD)"),
         ("a.nhdr", NRRD, "an image (NRRD)"),
         ("a.seg.nrrd", NRRD.replace(b"\n\n", b"\nSegment0_ID:=a\n\n"), "a segmentation (NRRD)"),
+        ("b.seg.nrrd", NRRD, "a segmentation (NRRD)"),
+        ("a.gipl", b"no magic of its own", "an image (GIPL)"),
         ("a.mha", META, "an image (MetaImage)"),
         ("a.mhd", META, "an image (MetaImage)"),
         ("a.dcm", DICOM, "an image (DICOM)"),
@@ -441,21 +443,24 @@ def test_an_image_is_called_one_with_what_to_do(tmp_path, name, data, words):
     (tmp_path / name).write_bytes(data)
     with pytest.raises(InputError) as said:
         read_surface(tmp_path / name)
-    assert f"{name}: expected a mesh or a line, got {words}; make a surface" in str(said.value)
-    assert "Segment Editor" in str(said.value)
+    assert f"{name}: expected a mesh or a line, got {words}; " in str(said.value)
+    todo = "Segmentations" if "segmentation" in words else "Segment Editor"
+    assert f"in 3D Slicer{', ' if todo == 'Segmentations' else ': '}{todo}" in str(said.value)
+    assert "model (.vtp)" in str(said.value)
 
 
 def test_images_of_vtk_and_folders_of_dicom_are_called_so(tmp_path):
     path = written(vtkXMLImageDataWriter(), tmp_path / "a.vti", vtkImage())
     legacy = "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\n"
     (tmp_path / "a.vtk").write_text(legacy, encoding="ascii")
-    series = tmp_path / "series"
-    series.mkdir()
+    series = tmp_path / "study" / "series"
+    series.mkdir(parents=True)
     (series / "IM1").write_bytes(DICOM)
     for one, words in (
         (path, "got an image"),
         (tmp_path / "a.vtk", "got an image"),
         (series, "got a folder of images"),
+        (series.parent, "got a folder of images"),
     ):
         with pytest.raises(InputError, match=words):
             read_surface(one)

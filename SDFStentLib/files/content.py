@@ -66,7 +66,7 @@ def _refuse_image(path: Path, wanted: str) -> None:
     with path.open("rb") as file:
         image = image_in(path, file.read(HEAD))
     if image:
-        raise InputError(f"{path}: expected {wanted}, got {image}; {MODEL}.")
+        raise InputError(f"{path}: expected {wanted}, got {image}.")
 
 
 def read_text(path: str | os.PathLike[str], wanted: str) -> str:

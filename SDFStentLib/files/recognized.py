@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 import zlib
 from collections.abc import Iterator
+from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,10 +31,13 @@ class Kind(NamedTuple):
         return f"name it {self.suffix}" if self.suffix else self.todo
 
 
+_EXPORT = "export the segment as a model (.vtp)"
 MODEL = (
-    "make a surface of the vessel's lumen from it, in 3D Slicer: Segment Editor, then export the "
-    "segment as a model (.vtp)"
+    f"make a surface of the vessel's lumen from it, in 3D Slicer: Segment Editor, then {_EXPORT}"
 )
+"""What to do with an image."""
+_SEGMENTED = f"in 3D Slicer, Segmentations, {_EXPORT}"
+_GZIP = b"\x1f\x8b"
 _UNPACK = "unpack it"
 _EXTRACT = "extract its surface and save that as .vtp"
 _AS_STL = "save its surface as .stl"
@@ -67,11 +73,12 @@ _TYPE = re.compile(rb"<VTKFile\b[^>]*?(?:\btype\s*=\s*[\"']([A-Za-z]+)[\"']|>)")
 _LEGACY_IMAGE = re.compile(rb"# vtk DataFile[^\n]*\n[^\n]*\n\s*\w+\s+DATASET\s+STRUCTURED_POINTS")
 
 _IMAGE_NAMES = {
-    ".seg.nrrd": "a segmentation (NRRD)", ".nii": "an image (NIfTI)", ".nii.gz": "an image (NIfTI)",
-    ".nrrd": "an image (NRRD)", ".nhdr": "an image (NRRD)", ".mha": "an image (MetaImage)",
-    ".mhd": "an image (MetaImage)", ".vti": "an image (VTK)", ".dcm": "an image (DICOM)",
-    ".mgz": "an image (MGZ)",
+    ".nii": "NIfTI", ".nii.gz": "NIfTI", ".nrrd": "NRRD", ".nhdr": "NRRD", ".mha": "MetaImage",
+    ".mhd": "MetaImage", ".vti": "VTK", ".dcm": "DICOM", ".mgz": "MGZ", ".gipl": "GIPL",
+    ".img": "Analyze", ".hdr": "Analyze", ".tif": "TIFF", ".tiff": "TIFF", ".png": "PNG",
+    ".jpg": "JPEG",
 }  # fmt: skip
+_SEGMENTATION = ".seg.nrrd"
 _NIFTI_MAGICS = {344: (b"n+1\0", b"ni1\0"), 4: (b"n+2\0", b"ni2\0")}
 _MOST_OF_FOLDER = 20
 """Files of a folder that are looked at."""
@@ -98,36 +105,37 @@ def in_words(head: bytes) -> str:
 
 
 def image_in(path: Path, head: bytes) -> str:
-    """What kind of image a file is, in words, by content or name; empty where it is none."""
-    by_content = _image_kind(head)
-    if by_content or recognized(head) not in (None, recognized(b"\x1f\x8b")):
-        return by_content
-    name = path.name.lower()
-    return next((words for end, words in _IMAGE_NAMES.items() if name.endswith(end)), "")
+    """What kind of image a file is by content or name, and what to do; empty where it is none."""
+    kind, name = _image_kind(head), path.name.lower()
+    if not kind and recognized(head) in (None, recognized(_GZIP)):
+        kind = next((words for end, words in _IMAGE_NAMES.items() if name.endswith(end)), "")
+    if kind == "NRRD" and (name.endswith(_SEGMENTATION) or b"\nSegment0_" in head):
+        return f"a segmentation ({kind}); {_SEGMENTED}"
+    return f"an image ({kind}); {MODEL}" if kind else ""
 
 
 def has_images(folder: Path) -> bool:
-    """Whether a folder seems to hold a series of DICOM images."""
-    return any(_image_kind(head).endswith("(DICOM)") for head in _heads(folder))
+    """Whether a folder seems to hold series of DICOM images."""
+    return any(_image_kind(head) == "DICOM" for head in _heads(folder))
 
 
 def _image_kind(head: bytes) -> str:
-    if head.startswith(b"\x1f\x8b"):
+    if head.startswith(_GZIP):
         head = _unpacked(head)
     if head.startswith(b"NRRD0"):
-        return "a segmentation (NRRD)" if b"\nSegment0_" in head else "an image (NRRD)"
+        return "NRRD"
     if head[128:132] == b"DICM":
-        return "an image (DICOM)"
+        return "DICOM"
     if any(head[at : at + 4] in magics for at, magics in _NIFTI_MAGICS.items()):
-        return "an image (NIfTI)"
+        return "NIfTI"
     if re.search(rb"^ObjectType\s*=\s*Image|^NDims\s*=", head, re.MULTILINE):
-        return "an image (MetaImage)"
+        return "MetaImage"
     is_legacy = re.match(
         rb"# vtk DataFile[^\n]*\n[^\n]*\n\s*\w+\s+DATASET\s+STRUCTURED_POINTS", head
     )
     found = _TYPE.search(head)
     is_xml = found is not None and found[1] in (b"ImageData", b"PImageData")
-    return "an image (VTK)" if is_legacy or is_xml else ""
+    return "VTK" if is_legacy or is_xml else ""
 
 
 def _unpacked(head: bytes) -> bytes:
@@ -138,10 +146,7 @@ def _unpacked(head: bytes) -> bytes:
 
 
 def _heads(folder: Path) -> Iterator[bytes]:
-    try:
-        files = [path for path in sorted(folder.iterdir())[:_MOST_OF_FOLDER] if path.is_file()]
-        for path in files:
-            with path.open("rb") as file:
-                yield file.read(HEAD)
-    except OSError:
-        return  # not ours to read
+    found = (Path(place, name) for place, _, names in os.walk(folder) for name in sorted(names))
+    for path in islice(filter(Path.is_file, found), _MOST_OF_FOLDER):  # a pipe would be waited for
+        with suppress(OSError), path.open("rb") as file:  # some are not ours to read
+            yield file.read(HEAD)
