@@ -25,6 +25,7 @@ _REMEDIES = (
     ("right", "right", " (--right X Y Z)"),
     ("cycle", "cycle", " (--cycle T)"),
     ("unusual", "unusual_flow", " (--unusual-flow)"),
+    ("names", "names", " (--names F)"),
     ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
     ("straighten", "straightening_fraction", " (--straighten F)"),
     ("foreshortening", "foreshortening", " (--foreshortening F)"),

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from ..flow import (
     FlowAnswer,
+    Inflow,
     Known,
     Wave,
     flow_value,
@@ -62,6 +64,8 @@ def add_known(command: argparse.ArgumentParser) -> None:
         command.add_argument_group("what is known of flow before treatment"),
         """\
 --mean-flow Q  with its unit, such as 41.7mL/s or 2.5L/min
+--inlet NAME=Q ...  the same at one of several inlets, by the name of its end, or NAME=F, a wave
+--bsa A  body surface area, m2, to index the power loss with several inlets
 --peak-flow Q  told apart from the mean
 --wave F  CSV of a cycle, rows of time and flow under a header with units; scaled to --mean-flow
 --cycle T  its length, such as 0.8s, where the rows of --wave do not tell that
@@ -118,7 +122,8 @@ def known_of(options: argparse.Namespace, console: Console) -> Known | None:
     InputError
         Values that contradict each other, or something else than a flow without a flow.
     """
-    values = {
+    values: dict[str, Any] = {
+        "bsa": options.bsa,
         "inlet": options.inlet_pressure,
         "wedge": options.wedge,
         "split_right": options.split_right,
@@ -127,8 +132,9 @@ def known_of(options: argparse.Namespace, console: Console) -> Known | None:
         None if text is None else flow_value(text, name)
         for text, name in ((options.mean_flow, "--mean-flow"), (options.peak_flow, "--peak-flow"))
     )
-    wave = _wave(options, console, needs_unit=mean is None)
-    if mean is None and wave is None:
+    wave = _wave(options, console, needs_unit=mean is None and not options.inlet)
+    inlets = tuple(_inflow(text, console) for text in options.inlet)
+    if mean is None and wave is None and not inlets:
         if any(value is not None for value in (peak, options.right, *values.values())):
             raise no_flow()
         return None
@@ -136,7 +142,7 @@ def known_of(options: argparse.Namespace, console: Console) -> Known | None:
     if options.right is not None:
         right = as_place(in_mm(options.right, console.units, "--right"))
     unusual = options.unusual_flow
-    return known_flow(mean, wave, peak=peak, right=right, unusual=unusual, **values)
+    return known_flow(mean, wave, inlets, peak=peak, right=right, unusual=unusual, **values)
 
 
 def _wave(options: argparse.Namespace, console: Console, needs_unit: bool) -> Wave | None:
@@ -151,10 +157,26 @@ def _wave(options: argparse.Namespace, console: Console, needs_unit: bool) -> Wa
     return wave
 
 
+def _inflow(text: str, console: Console) -> Inflow:
+    """What an option tells of one inlet: NAME=Q, or NAME=F with the file of a wave."""
+    name, sign, told = (part.strip() for part in text.rpartition("="))
+    if not (name and sign and told):
+        raise InputError(
+            "--inlet: expected the name of an end and the flow there, such as SVC=20mL/s, got "
+            f"{text!r}; write both."
+        )
+    if Path(told).suffix.lower() == ".csv":
+        wave, cautions = read_wave(told)
+        console.warn([one.labeled(f"{told}: ") for one in cautions])
+        return Inflow(name, wave.mean, wave)
+    return Inflow(name, flow_value(told, f"--inlet {name}", may_be_zero=True))
+
+
 def no_flow() -> InputError:
     """For what needs a flow and got none."""
     return InputError(
-        "expected --mean-flow Q, such as 2.5L/min, or --wave F, got neither; give one."
+        "expected --mean-flow Q, such as 2.5L/min, --wave F, or --inlet NAME=Q for every inlet, "
+        "got none; give one."
     )
 
 

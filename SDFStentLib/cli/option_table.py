@@ -54,7 +54,7 @@ def path(text: str) -> str:
 
 
 KINDS = {
-    **dict.fromkeys(("X", "MM", "D", "R", "S", "P", "W", "LEAST"), number),
+    **dict.fromkeys(("X", "MM", "D", "R", "S", "P", "W", "A", "LEAST"), number),
     **dict.fromkeys(("FILE", "F", "DIR", "OUT", "PLAN", "SWEEP", "SURFACE", "SURFACE2"), path),
     "NAME": path,
     "DIR|PAGE.html": path,
@@ -64,7 +64,7 @@ KINDS = {
 """What a word is taken for, by what stands for it; any other is a text."""
 
 _ROW = re.compile(
-    r"(?P<flags>\S+(?:, --\S+)?)(?P<metavar>(?: [A-Z{][^\s=]*)*)"
+    r"(?P<flags>\S+(?:, --\S+)?)(?P<metavar>(?: [A-Z{]\S*)*)"
     r"(?: = (?P<default>\S+))?(?P<more> \.\.\.)?  +(?P<words>.+)"
 )
 

@@ -19,7 +19,7 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from ..cautions import reason_of
-from ..flow import FlowAnswer
+from ..flow import OTHERS, FlowAnswer
 from ..plan import InputFiles, Plan, PlanResult, plan_text, read_plan_inputs, treatment_of
 from ..report import plan_report
 from ..validation import DeploymentError, InputError
@@ -178,11 +178,13 @@ def _flow(answer: FlowAnswer, number: int) -> dict[str, float]:
         at, name = moments["mean"], f"stent {number}"
         part = answer.parts.index(name) if name in answer.parts else None
         found[f"inlet_pressure_{state}_mmhg"] = math.nan if at.inlet is None else at.inlet.value
-        names = answer.sides.names if answer.sides else ()
-        for side, share in zip(names, at.sides or (), strict=True):
+        names = (*answer.sides.names, OTHERS) if answer.sides else ()
+        for side, share in zip(names, at.sides or (), strict=False):
             found[f"flow_{side.replace(' ', '_')}_{state}_percent"] = 100 * share.value
         drop = math.nan if part is None else at.drops[part].recovered.value
         found[f"pressure_drop_{state}_mmhg"] = drop
+        if at.power is not None:
+            found[f"power_loss_{state}_mw"] = 1e3 * at.power.value
     return found
 
 

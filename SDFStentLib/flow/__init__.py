@@ -1,10 +1,8 @@
 """What flows through a tree of vessels, and what pressure it costs, before and after."""
 
 from .answer import UNCERTAIN as UNCERTAIN
-from .answer import Band as Band
 from .answer import FlowAnswer as FlowAnswer
 from .answer import FlowModel as FlowModel
-from .answer import Moment as Moment
 from .answer import Solve as Solve
 from .blocks import ADULT as ADULT
 from .blocks import PASCAL_PER_MMHG as PASCAL_PER_MMHG
@@ -14,15 +12,20 @@ from .blocks import Method as Method
 from .channels import Channel as Channel
 from .channels import channels_of as channels_of
 from .followed import FollowedChannels as FollowedChannels
+from .inlets import Ends as Ends
+from .inlets import Inlets as Inlets
+from .inlets import inlets_of as inlets_of
 from .known import L_PER_MIN as L_PER_MIN
+from .known import Inflow as Inflow
 from .known import Known as Known
 from .known import known_flow as known_flow
+from .moments import Band as Band
+from .moments import Moment as Moment
 from .network import Network as Network
 from .network import Outlets as Outlets
 from .network import State as State
-from .network import Tree as Tree
 from .network import steady as steady
-from .network import tree_of as tree_of
+from .outlets import OTHERS as OTHERS
 from .outlets import SideClues as SideClues
 from .outlets import Sides as Sides
 from .spans import Drop as Drop
@@ -34,6 +37,9 @@ from .svzerod import has_svzerod as has_svzerod
 from .svzerod import networks_of as networks_of
 from .svzerod import solved_by_svzerod as solved_by_svzerod
 from .svzerod import svzerod_document as svzerod_document
+from .tree import Tree as Tree
+from .tree import tree_between as tree_between
+from .tree import tree_of as tree_of
 from .units import flow_value as flow_value
 from .units import time_value as time_value
 from .wave import Wave as Wave

@@ -16,13 +16,15 @@ from .blocks import (
     Method,
     Stream,
     blocks_of,
-    outlet_diameters,
-    shares_of,
+    other_turns,
     turns_of,
 )
 from .channels import Channel, widths_of
+from .course import LEAST, course_of, nodes_of, rough_flow, tip_diameters, tips_of
+from .inlets import FROM_ROOT, Inlets
 from .known import Known
-from .network import Network, Outlets, State, steady_states, tree_of
+from .moments import Band, InletLoss, Moment, SpanDrop, reach_of
+from .network import Network, Outlets, State, steady, steady_states
 from .outlets import (
     NOTHING_KNOWN,
     SideClues,
@@ -34,6 +36,7 @@ from .outlets import (
 from .profiles import bends_of
 from .seen import Case, Seen
 from .spans import Part, Ways
+from .tree import tree_between
 
 USUAL = Method()
 
@@ -56,36 +59,14 @@ UNCERTAIN = (
 HALVINGS = 6
 """Of a range of which the known pressures allow a part."""
 
+ROUNDS = 20
+"""In which shares of limbs that meet again are found; five are enough, mostly."""
+
+AGREES = 1e-6
+"""Of the flow, by which the last round may change them."""
+
 Solve = Callable[[Network, Outlets, Known], "tuple[Floats, Floats]"]
 """Inlet pressures (t,), Pa, and flows (t, n), m^3/s, through the blocks over a cycle."""
-
-
-class Band(NamedTuple):
-    """A value and between what it lies, by uncertainties that are independent of each other."""
-
-    value: float
-    low: float
-    high: float
-
-
-class SpanDrop(NamedTuple):
-    """What a part of the vessel costs."""
-
-    recovered: Band
-    """Of the total pressure, mmHg."""
-    maximal: Band
-    """Of the static pressure to its lowest place, mmHg."""
-
-
-class Moment(NamedTuple):
-    """A state of the vessel at the mean flow, or at its peak."""
-
-    inlet: Band | None
-    """Total pressure at the inlet, mmHg; None where no pressures are known."""
-    sides: tuple[Band, Band] | None
-    """Shares of the flow to the main branches."""
-    drops: tuple[SpanDrop, ...]
-    """In the order of the parts that were asked for."""
 
 
 class FlowAnswer(NamedTuple):
@@ -102,6 +83,9 @@ class FlowAnswer(NamedTuple):
     """Before, and after."""
     outlets: Outlets
     """As they fit what is known before treatment, and are kept for after."""
+    inlets: Inlets
+    inflow: dict[str, tuple[float, ...]]
+    """mL/s at each of several inlets, by moment."""
     is_quasi_steady: bool
     """Whether a wave was taken as a row of steady flows."""
 
@@ -113,17 +97,6 @@ class FlowAnswer(NamedTuple):
         return as_place(self.sides.places[1])
 
 
-def _reach(told: Floats) -> tuple[Floats, Floats]:
-    """How far values lie below and above those of the first case, by the pairs of cases after it.
-
-    Uncertainties are independent of each other: their squares add up.
-    """
-    away = (told[1:] - told[0]).reshape(-1, 2, *told[0].shape)
-    low = (np.minimum(away.min(axis=1), 0.0) ** 2).sum(axis=0)
-    high = (np.maximum(away.max(axis=1), 0.0) ** 2).sum(axis=0)
-    return np.sqrt(low), np.sqrt(high)
-
-
 class FlowModel:
     """A vessel before treatment with outlets that fit what is known; kept while stents are tried.
 
@@ -133,6 +106,7 @@ class FlowModel:
     known : Known
     clues : SideClues
         To the main branches; a place in the right one that is known comes first.
+    inlets : Inlets
 
     Raises
     ------
@@ -142,34 +116,71 @@ class FlowModel:
     """
 
     def __init__(
-        self, channels: Sequence[Channel], known: Known, clues: SideClues = NOTHING_KNOWN
+        self,
+        channels: Sequence[Channel],
+        known: Known,
+        clues: SideClues = NOTHING_KNOWN,
+        inlets: Inlets = FROM_ROOT,
     ) -> None:
         if known.right is not None:
             clues = clues._replace(right=np.array(known.right))
-        self.channels, self.known = tuple(channels), known
-        self._widths, self._ways = widths_of(channels), Ways(channels)
-        self._tree = tree_of(np.array([one.above for one in channels]))
-        # Profiles, and how a jet divides where vessels do, are those of the usual shares.
-        self._diameters = outlet_diameters(channels, self._widths)
-        weights = self._diameters**USUAL.power
-        self._sides = sides_of(channels, self._tree, weights, clues)
-        if known.split_right is not None and not (self._sides and self._sides.is_known):
+        self.known, self._tree_channels, self._inlets = known, tuple(channels), inlets
+        self._flows, self._weights = _flows(known, len(inlets.fractions))
+        self._tree_widths = widths_of(channels)
+        shares = self._usual_shares(clues)
+        fractions = inlets.fractions
+        flow = rough_flow(channels, self._tree_widths, fractions, PER_ML * known.mean, shares)
+        self._blocks: dict[float, tuple[Block, ...]] = {}
+        # Limbs that meet again share the flow by what they cost, and profiles by their shares.
+        for _ in range(ROUNDS):
+            self._follow(flow, clues)
+            if not len(self._tree.chords):
+                break
+            usual = self._usual
+            found = self._course.away(steady(*usual, PER_ML * known.mean).flow)
+            if np.abs(found - flow).max() <= AGREES * PER_ML * known.mean:
+                break
+            flow = found
+        self._wave_before: Seen | None = None
+
+    def _usual_shares(self, clues: SideClues) -> Floats:
+        """Of the flow through the outlets (k,), in the order of the centerline's tree."""
+        channels, widths = self._tree_channels, self._tree_widths
+        if self._inlets.fractions.keys() >= {*tips_of(channels)}:
+            raise InputError(
+                "inlets: expected an end at which blood leaves, got none: all ends of the vessel "
+                "are inlets or closed; leave one out."
+            )
+        tree = tree_between(nodes_of(channels), self._inlets.fractions)
+        weights = tip_diameters(channels, widths, tree) ** USUAL.power
+        sides = sides_of(channels, tree, weights, clues)
+        if self.known.split_right is not None and not (sides and sides.is_known):
             raise InputError(
                 "split to the right: expected a vessel of which the right branch is known, got one "
                 "that tells no sides; name a place in the right branch",
                 "right",
                 end=", or leave the split out.",
             )
-        shares = shares_of(channels, outlet_shares(weights, self._sides, known))
+        return outlet_shares(weights, sides, self.known)
+
+    def _follow(self, flow: Floats, clues: SideClues) -> None:
+        """Channels along usual flows (n,) through those of the centerline, m^3/s."""
+        self._course = course_of(self._tree_channels, flow, self._inlets.fractions)
+        self._tree = self._course.tree
+        self.channels, self._widths = self._course.along(self._tree_channels, self._tree_widths)
+        self._ways = Ways(self.channels)
+        self._diameters = tip_diameters(self.channels, self._widths, self._tree)
+        self._sides = sides_of(self.channels, self._tree, self._diameters**USUAL.power, clues)
+        # Profiles, and how a jet divides where vessels do, are those of the usual shares.
+        least = LEAST * PER_ML * self.known.mean
         self._stream = Stream(
-            PER_ML * known.mean * shares,
-            turns_of(channels, self._widths),
-            bends_of(channels, self._widths),
+            np.maximum(np.abs(flow[list(self._course.order)]), least),
+            turns_of(self.channels, self._widths),
+            bends_of(self.channels, self._widths),
+            other_turns(self.channels, self._widths),
         )
-        self._flows, self._weights = _flows(known)
-        self._blocks: dict[float, tuple[Block, ...]] = {}
+        self._blocks.clear()
         self._usual = self._case(USUAL)
-        self._wave_before: Seen | None = None
 
     @cached_property
     def _others(self) -> list[tuple[Case, Case]]:
@@ -214,7 +225,8 @@ class FlowModel:
 
     def _after(self, channels: Sequence[Channel]) -> Seen:
         """The same with the channels after treatment."""
-        widths = widths_of(channels, (self.channels, self._widths))
+        widths = widths_of(channels, (self._tree_channels, self._tree_widths))
+        channels, widths = self._course.along(channels, widths)
         each = [case.network for case in self._cases]
         wider = dict.fromkeys(one.method.wider for one in each)
         blocks = {one: blocks_of(channels, widths, self._stream, one) for one in wider}
@@ -222,10 +234,13 @@ class FlowModel:
 
     def _seen(self, networks: Sequence[Network]) -> Seen:
         """Networks by case at all flows into them, which are solved at once."""
-        flows = (PER_ML * self._flows).tolist()
+        flows = [*(PER_ML * self._flows)]
         both = zip(self._cases, networks, strict=True)
         questions = [(one, case.outlets, q) for case, one in both for q in flows]
-        return Seen(self._sides, networks, steady_states(questions))
+        return self._as_seen(networks, steady_states(questions))
+
+    def _as_seen(self, networks: Sequence[Network], states: Sequence[State]) -> Seen:
+        return Seen(self._sides, len(self._inlets.names), networks, states)
 
     def answer(
         self,
@@ -249,7 +264,7 @@ class FlowModel:
         seen = [self._before] if after is None else [self._before, self._after(after)]
         told = np.stack([one.moments(known, ways, self._weights) for one in seen], axis=1)
         value = told[0]
-        low, high = _reach(told)
+        low, high = reach_of(told)
         networks = tuple(one.usual for one in seen)
         if solve is not None:
             solved = [self._solved(solve, one) for one in networks]
@@ -258,7 +273,7 @@ class FlowModel:
         # No part of a vessel gives back what is lost, but over a wave in which blood runs back.
         is_bound = np.array([known.wave is None or known.wave.back == 0, True])
         floor = np.where(is_bound, 0.0, -np.inf)[: value.shape[1], None]
-        lowest[..., 3:] = np.maximum(lowest[..., 3:], np.minimum(value[..., 3:], floor))
+        lowest[..., 4:] = np.maximum(lowest[..., 4:], np.minimum(value[..., 4:], floor))
         spread = np.stack([value, lowest, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         moments = [dict(zip(names, map(self._moment, state), strict=True)) for state in spread]
@@ -271,8 +286,18 @@ class FlowModel:
             moments[1] if len(moments) > 1 else None,
             networks,
             usual.outlets,
+            self._inlets,
+            {name: self._inflow(name) for name in names},
             known.wave is not None and solve is None,
         )
+
+    def _inflow(self, moment: str) -> tuple[float, ...]:
+        """mL/s at the inlets with flow."""
+        fractions = np.array([one for one in self._inlets.fractions.values() if one])
+        if moment == "mean" or self._flows.ndim == 1:
+            flow = self.known.mean if moment == "mean" else self._flows[-1]
+            return tuple((flow * fractions).tolist())
+        return tuple(self._flows[-1][: len(fractions)].tolist())
 
     def _solved(self, solve: Solve, network: Network) -> Seen:
         """Over the wave; that before treatment is the same for every stent that is tried."""
@@ -281,7 +306,7 @@ class FlowModel:
             return self._wave_before
         inlets, through = solve(network, self._usual.outlets, self.known)
         states = [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
-        solved = Seen(self._sides, [network], states)
+        solved = self._as_seen([network], states)
         if is_before:
             self._wave_before = solved
         return solved
@@ -289,20 +314,28 @@ class FlowModel:
     def _moment(self, row: Floats) -> Moment:
         """From the values of one moment with their bands (q, 3)."""
         bands = [Band(*one) for one in row.tolist()]
-        drops = tuple(SpanDrop(*bands[k : k + 2]) for k in range(3, len(bands), 2))
+        sides, count = bands[1:4], len(self._inlets.names)
+        if self._sides is not None and not self._sides.leave_out:
+            sides = sides[:2]
+        losses, power = [], None
+        if count > 1:
+            *bands, power = bands
+            bands, losses = bands[: -2 * count], bands[-2 * count :]
         return Moment(
             bands[0] if self.known.has_pressures else None,
-            None if self._sides is None else (bands[1], bands[2]),
-            drops,
+            None if self._sides is None else tuple(sides),
+            tuple(SpanDrop(*bands[k : k + 2]) for k in range(4, len(bands), 2)),
+            tuple(map(InletLoss, losses[:count], losses[count:])),
+            power,
         )
 
 
-def _flows(known: Known) -> tuple[Floats, Floats | None]:
+def _flows(known: Known, inlets: int) -> tuple[Floats, Floats | None]:
     """At which a vessel is looked at (t,), mL/s, and of those of a wave, but the last, the weights.
 
-    They are the mean and the peak; of a wave those that stand for its cycle, and the peak.
+    They are the mean and the peak; of a wave those that stand for its cycle, and the peak. Where
+    waves of inlets differ, flows (t, i) through all of them.
     """
-    if known.wave is not None:
-        flows, weights = known.wave.spread()
-        return np.append(flows, known.wave.peak), weights
-    return np.array([known.mean] if known.peak is None else [known.mean, known.peak]), None
+    flows, weights = known.spread(inlets)
+    most = [] if known.most is None else [known.at_peak(inlets)]
+    return np.array([*flows, *most]), None if known.wave is None else weights

@@ -6,14 +6,15 @@ Formulas and their sources: docs/flow.md.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from ..validation import Floats
-from .channels import OBLONG, Channel, Widths
+from .channels import OBLONG, Channel, Widths, outlets_of
 from .profiles import Way, layers_of, profile_of, way_of
 
 PASCAL_PER_MMHG = 133.322
@@ -101,53 +102,47 @@ class Block(NamedTuple):
     """m."""
 
 
-def outlets_of(channels: Sequence[Channel]) -> list[int]:
-    """The channels that end at an outlet."""
-    inner = {one.above for one in channels}
-    return [number for number in range(len(channels)) if number not in inner]
-
-
-def outlet_diameters(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
-    """Equivalent diameters (k,) of the outlets, or of the last sections before them, mm."""
-    found = []
-    for number in outlets_of(channels):
-        one, narrow = channels[number], widths[number].narrow
-        known = np.flatnonzero(np.isfinite(one.section))
-        last = known[-1] if len(known) else -1
-        diameter = one.outlet if np.isfinite(one.outlet) else one.section[last]
-        # What is wider is the section of other vessels, too.
-        found.append(float(np.fmin(diameter, OBLONG * narrow[last])))
-    return np.array(found)
-
-
-def shares_of(channels: Sequence[Channel], weights: Floats) -> Floats:
-    """By channel (n,) the share of the outlets' weights (k,) to which it leads."""
-    shares = np.zeros(len(channels))
-    shares[outlets_of(channels)] = weights / weights.sum()
-    # Those above come before those below.
-    for number in reversed(range(len(channels))):
-        if channels[number].above >= 0:
-            shares[channels[number].above] += shares[number]
-    return shares
+def outlet_diameter(channel: Channel, widths: Widths) -> float:
+    """Equivalent diameter of the outlet at which a channel ends, or of its last section, mm."""
+    known = np.flatnonzero(np.isfinite(channel.section))
+    last = known[-1] if len(known) else -1
+    tip = channel.tips[1]
+    diameter = tip if np.isfinite(tip) else channel.section[last]
+    # What is wider is the section of other vessels, too.
+    return float(np.fmin(diameter, OBLONG * widths.narrow[last]))
 
 
 def turns_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
     """By channel (n,) the angle to the one above, each over a diameter of that, radians."""
     angles = np.zeros(len(channels))
     for number, channel in enumerate(channels):
-        if channel.above < 0:
-            continue
-        above = channels[channel.above]
-        reach = float(np.sqrt(4 / np.pi * widths[channel.above].area[-1]))
-        before = min(
-            int(np.searchsorted(above.along, above.along[-1] - reach)), len(above.along) - 2
-        )
-        behind = max(int(np.searchsorted(channel.along, channel.along[0] + reach)), 1)
-        first = above.points[-1] - above.points[before]
-        second = channel.points[min(behind, len(channel.points) - 1)] - channel.points[0]
-        both = np.sqrt((first @ first) * (second @ second))
-        angles[number] = np.arccos(np.clip((first @ second) / both, -1, 1))
+        if channel.above >= 0:
+            angles[number] = _turn(channels, widths, channel.above, channel)
     return angles
+
+
+def other_turns(
+    channels: Sequence[Channel], widths: Sequence[Widths]
+) -> dict[int, tuple[float, ...]]:
+    """The same to the other channels that bring blood, for channels that have some."""
+    return {
+        number: tuple(_turn(channels, widths, other, channel) for other in channel.also)
+        for number, channel in enumerate(channels)
+        if channel.also
+    }
+
+
+def _turn(
+    channels: Sequence[Channel], widths: Sequence[Widths], above: int, channel: Channel
+) -> float:
+    line, along = channels[above].points, channels[above].along
+    reach = float(np.sqrt(4 / np.pi * widths[above].area[-1]))
+    before = min(int(np.searchsorted(along, along[-1] - reach)), len(along) - 2)
+    behind = max(int(np.searchsorted(channel.along, channel.along[0] + reach)), 1)
+    first = line[-1] - line[before]
+    second = channel.points[min(behind, len(channel.points) - 1)] - channel.points[0]
+    both = np.sqrt((first @ first) * (second @ second))
+    return float(np.arccos(np.clip((first @ second) / both, -1, 1)))
 
 
 class Stream(NamedTuple):
@@ -159,6 +154,8 @@ class Stream(NamedTuple):
     """(n,) as of `turns_of`."""
     bends: Floats
     """(m,) as of `bends_of`."""
+    others: Mapping[int, Sequence[float]] = MappingProxyType({})
+    """As of `other_turns`."""
 
 
 def blocks_of(
@@ -177,7 +174,7 @@ def blocks_of(
     b, a = 0.5e-3 * size.narrow, 0.5e-3 * size.wide
     area = np.pi * a * b
     radius = np.sqrt(area / np.pi)
-    way = way_of(channels)
+    way = way_of(channels, stream.flow)
     # The kinematic viscosity over the flow, 1/m.
     spread = np.repeat(ADULT.viscosity / ADULT.density / stream.flow, np.diff(way.starts))
     layer = layers_of(way, area, spread, stream.bends)
@@ -251,11 +248,13 @@ def _jets(way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
     flow, turns = stream.flow.tolist(), (TURNS * stream.turns).tolist()
     rows: list[tuple[float, float, float, float]] = []
     for number, (start, end) in enumerate(pairwise(way.starts)):
-        above = way.above[number]
-        last = way.starts[above + 1] - 1
-        speed = rows[last][0] * flow[above] / flow[number] if above >= 0 else 0.0
+        ahead = 0.0
+        angles = [turns[number], *(TURNS * one for one in stream.others.get(number, ()))]
+        for (above, share), turn in zip(way.feeds[number], angles, strict=False):
+            speed = rows[way.starts[above + 1] - 1][0] * flow[above] / flow[number]
+            ahead += share * (speed * math.cos(turn))
         # Faster than the wall's blood are what comes from above, and what has parted from the wall.
-        brought, parted = max(speed * math.cos(turns[number]) - even[start], 0.0), 0.0
+        brought, parted = max(ahead - even[start], 0.0), 0.0
         mixed = divided = 0.0
         rows.append((even[start] + brought, mixed, divided, 1.0))
         for k in range(start, end - 1):
@@ -292,5 +291,13 @@ def _across(way: Way, jet: Floats, radius: Floats, stream: Stream) -> Floats:
         to_end = np.cumsum(way.step[start:end][::-1])[::-1]
         before = start + max(np.count_nonzero(to_end >= radius[end - 1]) - 1, 0)
         speeds.append(min(jet[before], jet[end - 1]))
-    share = stream.flow[way.above] / stream.flow
-    return (np.array(speeds)[way.above] * share * np.sin(TURNS * stream.turns)) ** 2 / 2
+    above = [feeds[0][0] if feeds else -1 for feeds in way.feeds]
+    share = stream.flow[above] / stream.flow
+    found = (np.array(speeds)[above] * share * np.sin(TURNS * stream.turns)) ** 2 / 2
+    for number, angles in stream.others.items():
+        (_, most), *others = way.feeds[number]
+        found[number] *= most
+        for (other, part), turn in zip(others, angles, strict=True):
+            speed = speeds[other] * stream.flow[other] / stream.flow[number]
+            found[number] += part * (speed * math.sin(TURNS * turn)) ** 2 / 2
+    return np.asarray(found)

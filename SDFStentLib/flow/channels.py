@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -51,10 +52,28 @@ class Channel(NamedTuple):
     branch_along: Floats
     """(n,) arc length from the start of that branch, mm."""
     above: int
-    """The channel at whose end it begins; -1 at the root."""
-    outlet: float = float("nan")
-    """Diameter of the circle with the area of the open end or cap at which it ends, mm; NaN where
-    there is none."""
+    """The channel at whose end it begins, -1 at an end of the vessel; of several the one that
+    brings most blood."""
+    also: tuple[int, ...] = ()
+    """The others that bring blood there."""
+    joins: int = -1
+    """The channel at whose end it ends, too, where limbs meet again; else -1."""
+    tips: tuple[float, float] = (math.nan, math.nan)
+    """Diameters of circles with the areas of the vessel's ends, open or capped, at which it begins
+    and ends, mm; NaN where there is none."""
+
+    def turned(self) -> Channel:
+        """The same from its end on; what is above is not known."""
+        return Channel(
+            points=self.points[::-1],
+            along=self.along[-1] - self.along[::-1],
+            inscribed=self.inscribed[::-1],
+            section=self.section[::-1],
+            branch=self.branch[::-1],
+            branch_along=self.branch_along[::-1],
+            above=-1,
+            tips=self.tips[::-1],
+        )
 
 
 def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]:
@@ -83,24 +102,35 @@ def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]
     ends = np.cumsum([len(line) for line in lines])[:-1]
     columns = zip(found, np.split(inscribed, ends), np.split(sections, ends), strict=True)
     told = tuple(one._replace(inscribed=d, section=area) for one, d, area in columns)
-    return _with_outlets(told, vessel_ends(surface))
+    return _with_tips(told, vessel_ends(surface))
 
 
-def _with_outlets(channels: Sequence[Channel], ends: Sequence[VesselEnd]) -> tuple[Channel, ...]:
+def _with_tips(channels: Sequence[Channel], ends: Sequence[VesselEnd]) -> tuple[Channel, ...]:
     """With the areas of ends of the vessel, as they are seen along the last diameter before."""
     found = list(channels)
-    last = np.setdiff1d(np.arange(len(channels)), [one.above for one in channels])
-    tips = np.array([channels[number].points[-1] for number in last])
+    last = outlets_of(channels)
+    tips = np.array([channels[0].points[0], *(channels[number].points[-1] for number in last)])
     for end in ends:
         away = norm(tips - end.center)
         nearest = int(away.argmin())
-        if away[nearest] <= BESIDE_TIP * end.radius:
-            one = channels[last[nearest]]
-            before = int(np.searchsorted(one.along, one.along[-1] - 2 * end.radius))
-            way = end.center - one.points[min(before, len(one.points) - 2)]
-            seen = abs(float(end.across @ way)) / np.linalg.norm(way)
-            found[last[nearest]] = one._replace(outlet=float(2 * end.radius * np.sqrt(seen)))
+        if away[nearest] > BESIDE_TIP * end.radius:
+            continue
+        number = 0 if nearest == 0 else last[nearest - 1]
+        line = found[number].points[:: 1 if nearest == 0 else -1]
+        inner = int(np.searchsorted(Line(line).arc_lengths, 2 * end.radius))
+        way = end.center - line[min(max(inner, 1), len(line) - 1)]
+        seen = abs(float(end.across @ way)) / np.linalg.norm(way)
+        start, stop = found[number].tips
+        diameter = float(2 * end.radius * np.sqrt(seen))
+        both = (diameter, stop) if nearest == 0 else (start, diameter)
+        found[number] = found[number]._replace(tips=both)
     return tuple(found)
+
+
+def outlets_of(channels: Sequence[Channel]) -> list[int]:
+    """The channels that end where the vessel does."""
+    inner = {number for one in channels for number in (one.above, *one.also)}
+    return [k for k, one in enumerate(channels) if k not in inner and one.joins < 0]
 
 
 class Widths(NamedTuple):
@@ -115,6 +145,10 @@ class Widths(NamedTuple):
     def area(self) -> Floats:
         """(n,) mm^2."""
         return np.pi / 4 * self.narrow * self.wide
+
+    def turned(self) -> Widths:
+        """From the end on."""
+        return Widths(*(axis[::-1] for axis in self))
 
     def widened(self, by: float) -> Widths:
         """All diameters larger by so many mm, halved at most."""
@@ -145,10 +179,11 @@ def widths_of(
         if before is not None and one is before[0][number]:
             inner.append(known[number].narrow)
         else:
-            inner.append(_known(one, inner, is_outlet=not below[number]))
+            is_outlet = not below[number] and one.joins < 0
+            inner.append(_known(one, inner, is_outlet=is_outlet))
     found = []
     for number, one in enumerate(channels):
-        near = [number, *below[number], *([one.above] if one.above >= 0 else [])]
+        near = [number, *below[number], *(k for k in (one.above, one.joins) if k >= 0)]
         if before is not None and all(channels[k] is before[0][k] for k in near):
             found.append(known[number])
             continue

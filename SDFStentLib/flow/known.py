@@ -6,13 +6,24 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ..parameter import check_parameters, parameter
 from ..units import MOST_FLOW
-from ..validation import InputError, Place, as_number
+from ..validation import Floats, InputError, Place, as_number
 from .wave import RATES, Wave
 
 MOST_PRESSURE = 300.0
 """mmHg, above what any artery has."""
+
+MOST_BSA = 4.0
+"""m2, above any man's."""
+
+SAME = 1e-6
+"""Share by which flows of inlets may miss the mean flow: they are written with a few digits."""
+
+SAMPLES = 64
+"""Even times of a cycle at which a vessel is looked at where inlets have waves of their own."""
 
 MOST_MEAN = 26.8
 """L/min, what trained men have at their most (Grimby, Nilsson and Saltin, J Appl Physiol 1966;
@@ -20,6 +31,29 @@ MOST_MEAN = 26.8
 
 L_PER_MIN = 0.06
 """In one mL/s."""
+
+
+@dataclass(frozen=True)
+class Inflow:
+    """What comes in at one of several inlets; 0 where it is closed."""
+
+    name: str
+    """Of the end, or of the vessel there, as a report has it."""
+    mean: float = parameter(
+        "flow into the vessel there", unit="mL/s", least=0, most=MOST_FLOW, called="mean flow"
+    )
+    wave: Wave | None = parameter("over a cycle, scaled to the mean flow", default=None)
+
+    def __post_init__(self) -> None:
+        check_parameters(self, f"inlet {self.name!r}: ")
+        if self.wave is not None and not math.isclose(self.wave.mean, self.mean, rel_tol=1e-12):
+            object.__setattr__(self, "wave", self.wave.scaled(self.mean) if self.mean else None)
+
+    def at(self, times: Floats) -> Floats:
+        """Flows (t,) at times of the cycle, s; mL/s."""
+        if self.wave is None:
+            return np.full(len(times), self.mean)
+        return np.interp(times, self.wave.time, self.wave.flow)
 
 
 def _flow(does: str, which: str, **more: Any) -> Any:
@@ -54,12 +88,22 @@ class Known:
         "a place in the right main branch, where the frame does not tell where right is",
         default=None,
     )
+    inlets: tuple[Inflow, ...] = parameter(
+        "flow at every inlet where there are several; the inlet pressure is that at the first one",
+        default=(),
+    )
+    bsa: float | None = parameter(
+        "body surface area, for indices", unit="m2", default=None, above=0, most=MOST_BSA
+    )
     unusual: bool = parameter(
         "a heart rate or a mean flow beyond the usual ones is meant so", default=False
     )
 
     def __post_init__(self) -> None:
         check_parameters(self)
+        _check_inlets(self.inlets, self.mean)
+        if self.is_uneven:
+            object.__setattr__(self, "wave", _together(self.inlets))
         wave = self.wave
         if wave is not None and not math.isclose(wave.mean, self.mean, rel_tol=1e-12):
             object.__setattr__(self, "wave", wave.scaled(self.mean))
@@ -77,6 +121,43 @@ class Known:
             )
 
     @property
+    def fractions(self) -> tuple[float, ...]:
+        """Of the flow at each inlet."""
+        return tuple(one.mean / self.mean for one in self.inlets) or (1.0,)
+
+    @property
+    def is_uneven(self) -> bool:
+        """Whether inlets have waves of their own; `wave` is that of all together then."""
+        return any(one.wave is not None for one in self.inlets)
+
+    def spread(self, inlets: int = 1) -> tuple[Floats, Floats]:
+        """Flows (t,), mL/s, with weights (t,), that tell means: one, or those of a wave.
+
+        Where waves of inlets differ, flows (t, i) at even times.
+        """
+        if self.wave is None:
+            return np.array([self.mean]), np.ones(1)
+        if not self.is_uneven:
+            return self.wave.spread()
+        times = np.arange(SAMPLES) * self.wave.cycle / SAMPLES
+        return self.through(times, inlets), np.full(SAMPLES, 1 / SAMPLES)
+
+    def through(self, times: Floats, inlets: int) -> Floats:
+        """Flows (t, i) at times of a wave, s, through inlets, closed ones last, mL/s."""
+        flowing = sorted(self.inlets, key=lambda one: not one.mean)
+        found = np.zeros((len(times), inlets))
+        for number, one in enumerate(flowing):
+            found[:, number] = one.at(times)
+        return found
+
+    def at_peak(self, inlets: int = 1) -> float | Floats:
+        """The peak flow, or those (i,) through inlets with waves of their own, mL/s."""
+        if self.wave is None or not self.is_uneven:
+            return self.most or self.mean
+        at = self.wave.time[int(np.argmax(self.wave.flow))]
+        return self.through(np.array([at]), inlets)[0]
+
+    @property
     def has_pressures(self) -> bool:
         """Without them the outlets take fixed shares."""
         return self.inlet is not None
@@ -85,6 +166,35 @@ class Known:
     def most(self) -> float | None:
         """The peak flow, mL/s, as given or of the wave; None where it is not known."""
         return self.peak if self.wave is None else self.wave.peak
+
+
+def _check_inlets(inlets: tuple[Inflow, ...], mean: float) -> None:
+    names = [one.name.casefold() for one in inlets]
+    twice = next((one.name for one in inlets if names.count(one.name.casefold()) > 1), None)
+    if twice is not None:
+        raise InputError(f"inlets: expected each once, got {twice!r} twice; leave one out.")
+    whole = sum(one.mean for one in inlets)
+    if inlets and not math.isclose(whole, mean, rel_tol=SAME):
+        raise InputError(
+            f"inlets: expected flows that add up to the mean flow, {mean:g} mL/s, got {whole:g}; "
+            "leave the mean flow out, or correct one of them."
+        )
+
+
+def _together(inlets: tuple[Inflow, ...]) -> Wave:
+    """The wave of all inlets, at the steps of the finest."""
+    waves = [one.wave for one in inlets if one.wave is not None]
+    cycle = waves[0].cycle
+    other = next((one.cycle for one in waves if not math.isclose(one.cycle, cycle)), None)
+    if other is not None:
+        raise InputError(
+            f"inlets: expected waves of one length, got {cycle:.4g} and {other:.4g} s; bring them "
+            "to the same."
+        )
+    steps = max(one.steps for one in waves)
+    times = np.arange(steps + 1) * cycle / steps
+    flow = np.sum([one.at(times) for one in inlets], axis=0)
+    return Wave(tuple(times.tolist()), tuple(flow.tolist()))
 
 
 def _check_pressures(inlet: float | None, wedge: float | None) -> None:
@@ -124,13 +234,20 @@ def _check_usual(mean: float, wave: Wave | None) -> None:
         )
 
 
-def known_flow(mean: float | None = None, wave: Wave | None = None, **more: Any) -> Known:
-    """What is known, by a mean flow, a wave, or a wave that is scaled to the mean flow.
+def known_flow(
+    mean: float | None = None,
+    wave: Wave | None = None,
+    inlets: tuple[Inflow, ...] = (),
+    **more: Any,
+) -> Known:
+    """What is known, by a mean flow, a wave that may be scaled to it, or flows at all inlets.
 
     `more` as of `Known`, and its errors; `InputError` without a flow.
     """
+    if mean is None and inlets:
+        mean = sum(one.mean for one in inlets)
     if mean is None:
         if wave is None:
             raise InputError("flow: expected a mean flow or a wave, got neither; give one.")
         mean = wave.mean
-    return Known(mean, wave=wave, **more)
+    return Known(mean, wave=wave, inlets=inlets, **more)

@@ -1,14 +1,15 @@
-"""A tree of blocks between one inlet and outlets that resist, and steady flow through it."""
+"""A network of blocks between inlets and outlets that resist, and steady flow through it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..validation import Flags, Floats, Indices, InputError
+from ..validation import Floats, InputError
 from .blocks import Block, Method
+from .tree import Tree
 
 _STEPS = 60
 """Of Newton's method; a few are enough, for the equations are those of a convex minimum."""
@@ -26,30 +27,20 @@ class Outlets(NamedTuple):
     """Beyond them, such as the wedge pressure, Pa."""
 
 
-class Level(NamedTuple):
-    """The blocks of a tree that are equally many junctions away from its inlet."""
+class Costs(Protocol):
+    """What the solver asks of a network."""
 
-    rows: Indices
-    """(r,) those that begin at one junction side by side."""
-    starts: Indices
-    """(j,) where those of each junction begin,"""
-    counts: Indices
-    """how many they are,"""
-    parents: Indices
-    """and the block that ends there."""
+    @property
+    def tree(self) -> Tree:
+        """Of its n blocks."""
 
+    @property
+    def resistance(self) -> Floats:
+        """(n,) of the blocks, Pa s/m^3."""
 
-class Tree(NamedTuple):
-    """How blocks are joined, every one after that above it."""
-
-    above: Indices
-    """(n,) the block at whose end each begins; -1 at the inlet."""
-    outlets: Indices
-    """(k,) which blocks end at an outlet."""
-    leads_to: Flags
-    """(n, k) to which outlets each leads."""
-    levels: tuple[Level, ...]
-    """From the first junctions on."""
+    @property
+    def stenosis(self) -> Floats:
+        """(n,) of the blocks, Pa s^2/m^6."""
 
 
 class Network(NamedTuple):
@@ -95,37 +86,20 @@ class State(NamedTuple):
     """Total pressure at the inlet, Pa."""
 
 
-def tree_of(above: Indices) -> Tree:
-    """A tree from the block above each block, -1 for the first one."""
-    count = len(above)
-    ends = np.flatnonzero(~np.isin(np.arange(count), above))
-    leads_to = np.zeros((count, len(ends)), dtype=bool)
-    leads_to[ends, np.arange(len(ends))] = True
-    depth = np.zeros(count, dtype=np.int64)
-    for number in range(1, count):
-        depth[number] = depth[above[number]] + 1
-    for number in reversed(range(1, count)):
-        leads_to[above[number]] |= leads_to[number]
-    levels = []
-    for one in range(1, int(depth.max()) + 1):
-        rows = np.flatnonzero(depth == one)
-        rows = rows[np.argsort(above[rows], kind="stable")]
-        parents, starts, counts = np.unique(above[rows], return_index=True, return_counts=True)
-        levels.append(Level(rows, starts, counts, parents))
-    return Tree(above, ends, leads_to, tuple(levels))
-
-
-def steady(network: Network, outlets: Outlets, flow: float) -> State:
-    """The state at a steady flow in m^3/s; errors as of `steady_states`."""
+def steady(network: Costs, outlets: Outlets, flow: Floats | float) -> State:
+    """The state at a steady flow in m^3/s; arguments and errors as of `steady_states`."""
     return steady_states([(network, outlets, flow)])[0]
 
 
-def steady_states(cases: Sequence[tuple[Network, Outlets, float]]) -> list[State]:
+def steady_states(cases: Sequence[tuple[Costs, Outlets, Floats | float]]) -> list[State]:
     """The states of networks of one tree at steady flows in m^3/s, all at once.
 
-    The way to every outlet costs the same: `sum of (R + S |Q|) Q` along it, and its own resistance.
-    By Newton's method; each step is solved from the outlets to the inlet and back: what begins at
-    a junction is seen from there as one pressure and one resistance.
+    A flow is the usual one, of which every inlet has its fraction, or an array (i,) of those
+    through all inlets. The way to every outlet
+    costs the same: `sum of (R + S |Q|) Q` along it, and its own resistance. By Newton's method;
+    each step is solved from the outlets to the inlet and back: what begins at a junction is seen
+    from there as one pressure and one resistance. What comes from other inlets and through chords
+    is laid over that: of chords as much as makes both ways round a loop cost the same.
 
     Raises
     ------
@@ -137,52 +111,110 @@ def steady_states(cases: Sequence[tuple[Network, Outlets, float]]) -> list[State
     square = np.array([network.stenosis for network, _, _ in cases])
     beyond = np.array([outlets.resistance for _, outlets, _ in cases])
     wedge = np.array([[outlets.pressure] for _, outlets, _ in cases])
-    inflow = np.array([flow for _, _, flow in cases])
+    inflow = np.array([flow * tree.fractions if np.ndim(flow) == 0 else flow for *_, flow in cases])
+    most = np.maximum(np.abs(inflow).max(axis=1), 1e-9)
     conductance = 1 / (beyond + linear @ tree.leads_to)
     shares = conductance / conductance.sum(axis=1)[:, None]
-    flow = inflow[:, None] * (shares @ tree.leads_to.T)
+    flow = inflow.sum(axis=1)[:, None] * (shares @ tree.leads_to.T)
+    if not tree.is_plain:
+        others = inflow.shape[1] - 1
+        flow -= inflow[:, 1:] @ tree.beyond[:others]
     for _ in range(_STEPS):
         lost = square * np.abs(flow)
         pressure, resistance = -lost * flow, linear + 2 * lost
         pressure[:, tree.outlets] += wedge
         resistance[:, tree.outlets] += beyond
-        following, inlet = _step(tree, pressure, resistance, inflow)
+        if tree.is_plain:
+            following, inlet = _step(tree, pressure, resistance, inflow[:, 0])
+        else:
+            following, inlet = _laid_over(tree, pressure, resistance, inflow)
         change = np.abs(following - flow).max(axis=1)
         flow = following
-        if (change <= _ENOUGH * np.maximum(np.abs(inflow), 1e-9)).all():
-            return [State(*one) for one in zip(flow, inlet.tolist(), strict=True)]
+        if (change <= _ENOUGH * most).all():
+            return [State(*one) for one in zip(tree.signs * flow, inlet.tolist(), strict=True)]
     raise InputError(
         "flow: expected a network with one steady state, got none after "
         f"{_STEPS} steps; check that flow and pressures are in the units that they are said to be."
     )
 
 
-def _step(
+def _laid_over(
     tree: Tree, pressure: Floats, resistance: Floats, inflow: Floats
 ) -> tuple[Floats, Floats]:
+    """As `_step`, with inflows (c, i) at all inlets, and with chords."""
+    count = inflow.shape[1] - 1
+    flow, inlet = _with_sources(tree, pressure, resistance, inflow, range(count))
+    if not len(tree.chords):
+        return flow, inlet
+    # How much more each way round costs with a unit of flow through each chord.
+    none, ones = np.zeros_like(pressure), np.ones((len(pressure), 1))
+    units = [
+        _with_sources(tree, none, resistance, np.hstack([0 * ones, ones]), [count + k])
+        for k in range(len(tree.chords))
+    ]
+    around = tree.beyond[count:].T
+    at_none = (pressure + resistance * flow) @ around
+    each = np.stack([(resistance * more) @ around for more, _ in units], axis=2)
+    own = resistance[:, tree.chords, None] * np.eye(len(tree.chords))
+    through = np.linalg.solve(own - each, (at_none - pressure[:, tree.chords])[..., None])
+    for k, (more, seen) in enumerate(units):
+        flow += through[:, k] * more
+        inlet = inlet + through[:, k, 0] * seen
+    flow[:, tree.chords] = through[..., 0]
+    return flow, inlet
+
+
+def _with_sources(
+    tree: Tree, pressure: Floats, resistance: Floats, inflow: Floats, which: Sequence[int]
+) -> tuple[Floats, Floats]:
+    """As `_step`, with what comes from some sources behind the inflow at the root (c, 1 + s)."""
+    more, rows = inflow[:, 1:], list(which)
+    flow, inlet = _step(
+        tree, pressure.copy(), resistance.copy(), inflow[:, 0], more @ tree.enters[rows]
+    )
+    return flow - more @ tree.comes_by[rows], inlet
+
+
+def _step(
+    tree: Tree,
+    pressure: Floats,
+    resistance: Floats,
+    inflow: Floats,
+    entering: Floats | None = None,
+) -> tuple[Floats, Floats]:
     """Flows (c, n) through blocks that cost `pressure + resistance * flow`, and pressures (c,)
-    at the inlet; both arrays (c, n) are changed to those of all that begins with a block."""
+    at the root; both arrays (c, n) are changed to those of all that begins with a block.
+
+    `entering` (c, n) comes in where blocks end. What leads to no outlet has no flow.
+    """
     seen = []
     for level in reversed(tree.levels):
         conductance = 1 / resistance[:, level.rows]
         whole = np.add.reduceat(conductance, level.starts, axis=1)
         back = np.add.reduceat(conductance * pressure[:, level.rows], level.starts, axis=1)
+        if entering is not None:
+            back += entering[:, level.parents]
         resistance[:, level.parents] += 1 / whole
         pressure[:, level.parents] += back / whole
         seen.append((conductance, whole, back))
-    flow = np.empty_like(pressure)
-    flow[:, 0] = inflow
+    flow = np.zeros_like(pressure)
+    flow[:, tree.order[0]] = inflow
     for level, (conductance, whole, back) in zip(tree.levels, reversed(seen), strict=True):
         at = (flow[:, level.parents] + back) / whole
         away = np.repeat(at, level.counts, axis=1) - pressure[:, level.rows]
         flow[:, level.rows] = conductance * away
-    return flow, pressure[:, 0] + resistance[:, 0] * inflow
+    root = tree.order[0]
+    return flow, pressure[:, root] + resistance[:, root] * inflow
 
 
-def lost_to(network: Network, state_flow: Floats) -> Floats:
-    """Total pressure (n,) that is lost from the inlet to the end of every block, Pa."""
-    above = network.tree.above
-    lost = (network.resistance + network.stenosis * np.abs(state_flow)) * state_flow
-    for number in range(1, len(lost)):
-        lost[number] += lost[above[number]]
+def lost_to(network: Costs, state_flow: Floats) -> Floats:
+    """Total pressure (..., n) lost from the first inlet to the far end of every block, Pa.
+
+    That is its end where it leads away from the root of the tree, else where it begins.
+    """
+    tree = network.tree
+    cost = (network.resistance + network.stenosis * np.abs(state_flow)) * state_flow
+    lost = tree.signs * cost
+    for number in tree.order[1:]:
+        lost[..., number] += lost[..., tree.above[number]]
     return lost

@@ -10,14 +10,18 @@ import numpy as np
 from ..geometry import Line
 from ..units import Frame
 from ..validation import Flags, Floats, InputError, Points, as_place, place_words
-from .blocks import PASCAL_PER_MMHG, PER_ML, shares_of
+from .blocks import PASCAL_PER_MMHG, PER_ML
 from .channels import Channel
 from .known import Known
-from .network import Network, Outlets, Tree, lost_to, steady, steady_states
+from .network import Costs, Network, Outlets, lost_to, steady, steady_states
+from .tree import Tree
 
 MAIN = 0.1
 """Share of the outlets, weighted, from which a branch is a main one: that of the narrowest left
 pulmonary artery of the anatomies, 20 % of the flow, is above it, and side branches are below."""
+
+OTHERS = "other outlets"
+"""Those of neither main branch."""
 
 FIRM = 1e4
 """Without pressures outlets resist so many times more than the vessel: their shares are fixed."""
@@ -53,6 +57,19 @@ class Sides(NamedTuple):
     places: Points
     """(2, 3) in the middle of these blocks, mm."""
 
+    @property
+    def leave_out(self) -> bool:
+        """Whether there are other outlets."""
+        return not bool(self.outlets.any(axis=0).all())
+
+    def flows(self, tree: Tree, through: Floats) -> Floats:
+        """Flows (t, 3) to both, and to other outlets, by those through all blocks (t, n)."""
+        at_outlets = tree.signs[tree.outlets] * through[:, tree.outlets]
+        # From inlets and through chords blood may come there, too.
+        own = through[:, self.blocks] if tree.is_plain else at_outlets @ self.outlets.T
+        others = at_outlets[:, ~self.outlets.any(axis=0)].sum(axis=1)
+        return np.column_stack([own, others])
+
 
 def sides_of(
     channels: Sequence[Channel],
@@ -74,10 +91,12 @@ def sides_of(
         Of the outlets.
     clues : SideClues, optional
     """
-    shares, number = shares_of(channels, weights), 0
+    shares = np.zeros(len(channels))
+    shares[tree.outlets] = weights / weights.sum()
+    shares, number = tree.summed(shares), tree.order[0]
     # Ends: at an outlet.
     while True:
-        below = [k for k, one in enumerate(channels) if one.above == number]
+        below = np.flatnonzero(tree.above == number).tolist()
         below.sort(key=lambda k: -shares[k])
         if not below:
             return None
@@ -90,12 +109,19 @@ def sides_of(
     wide = ("larger main branch", "smaller main branch")
     names = wide if turned is None else ("left", "right")
     if clues.names:
-        one, other = (clues.names[int(channels[number].branch[-1])] for number in pair)
+        # A limb between two inlets may be called after one of them: rather after its outlet.
+        ends = pair if tree.is_plain else [_widest(tree, weights, number) for number in pair]
+        one, other = (clues.names[int(channels[number].branch[-1])] for number in ends)
         if one and other and one != other:
             names = one, other
     lines = [channels[number].points for number in pair]
     places = np.array([line[len(line) // 2] for line in lines])
     return Sides(names, pair, tree.leads_to[list(pair)], turned is not None, places)
+
+
+def _widest(tree: Tree, weights: Floats, number: int) -> int:
+    """The block at the widest outlet to which one leads."""
+    return int(tree.outlets[np.argmax(np.where(tree.leads_to[number], weights, -1.0))])
 
 
 def _is_right(
@@ -117,7 +143,7 @@ def _is_right(
             )
         # Ends: at the root.
         while number >= 0 and number not in pair:
-            number = channels[number].above
+            number = int(tree.above[number])
         if number < 0:
             raise InputError(
                 f"flow: expected a place in one of the two main branches, got {place_words(right)}",
@@ -165,9 +191,9 @@ def fitted_outlets(network: Network, weights: Floats, sides: Sides | None, known
     flow = PER_ML * known.mean
     if not known.has_pressures:
         most = flow if known.wave is None else PER_ML * np.abs(known.wave.flow).max()
-        return _firm(network, shares, flow, most)
+        return firm_outlets(network, shares, flow, most)
     fit = _Fit(network, shares, is_right, known)
-    lost = lost_to(network, steady(network, _firm(network, shares, flow, flow), flow).flow)
+    lost = lost_to(network, steady(network, firm_outlets(network, shares, flow, flow), flow).flow)
     lost = lost[network.tree.outlets]
     left = [float(fit.whole - np.average(lost[one], weights=shares[one])) for one in fit.groups]
     return fit.outlets(fit.factors(left))
@@ -184,10 +210,7 @@ class _Fit:
         self._known, self._inlet, self._wedge = known, known.inlet, PASCAL_PER_MMHG * known.wedge
         self.whole = PASCAL_PER_MMHG * (known.inlet - known.wedge)
         self.groups = [g for g in (~is_right, is_right) if g.any()]
-        if known.wave is None:
-            self._flows, self._weights = np.array([known.mean]), np.ones(1)
-        else:
-            self._flows, self._weights = known.wave.spread()
+        self._flows, self._weights = known.spread(len(network.tree.inlets))
 
     def outlets(self, factors: Floats) -> Outlets:
         resistance = 1 / (PER_ML * self._known.mean * self._shares)
@@ -199,13 +222,14 @@ class _Fit:
         """Of the pressure at the inlet, over it, and of the split."""
         at = self.outlets(factors)
         flows = PER_ML * self._flows
-        found = steady_states([(self._network, at, float(one)) for one in flows])
+        found = steady_states([(self._network, at, one) for one in flows])
         inlet = self._weights @ [one.inlet for one in found] / PASCAL_PER_MMHG
         wrong = [float(inlet) / self._inlet - 1]
         if len(self.groups) > 1:
             ends = self._network.tree.outlets
             right = [one.flow[ends][self._is_right].sum() for one in found]
-            split = self._weights @ right / (self._weights @ flows)
+            coming = flows if flows.ndim == 1 else flows.sum(axis=1)
+            split = self._weights @ right / (self._weights @ coming)
             wrong.append(float(split) - (self._known.split_right or 0.0))
         return np.array(wrong)
 
@@ -275,7 +299,7 @@ class _Fit:
         )
 
 
-def _firm(network: Network, shares: Floats, flow: float, most: float) -> Outlets:
+def firm_outlets(network: Costs, shares: Floats, flow: float, most: float) -> Outlets:
     """Outlets that share up to so much flow whatever the vessel costs."""
-    lost = lost_to(network, most * (network.tree.leads_to @ shares)).max()
+    lost = lost_to(network, network.tree.carried(most, shares)).max()
     return Outlets(FIRM * max(float(lost), 1.0) / (flow * shares), 0.0)

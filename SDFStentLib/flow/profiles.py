@@ -6,7 +6,7 @@ Formulas and their sources: docs/flow.md.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -29,20 +29,31 @@ class Way(NamedTuple):
 
     starts: list[int]
     """(n + 1,) where those of each channel begin, and the end."""
-    above: list[int]
-    """(n,)"""
+    feeds: list[list[tuple[int, float]]]
+    """By channel those at whose ends it begins, with the shares of the blood that comes there."""
     step: Floats
     """(m,) from each station to the next one, m; 0 at the end of a channel."""
 
 
-def way_of(channels: Sequence[Channel]) -> Way:
-    """The stations of channels, each of which comes after the one above it."""
+def way_of(channels: Sequence[Channel], flow: Floats) -> Way:
+    """The stations of channels, each after those that bring its blood; flows (n,) through them."""
     along = 1e-3 * np.concatenate([one.along for one in channels])
     starts = np.cumsum([0, *(len(one.along) for one in channels)])
     last = starts[1:] - 1
     step = np.diff(along, append=0.0)
     step[last] = 0.0
-    return Way(starts.tolist(), [one.above for one in channels], step)
+    return Way(starts.tolist(), list(_feeds(channels, flow.tolist())), step)
+
+
+def _feeds(channels: Sequence[Channel], flow: Sequence[float]) -> Iterator[list[tuple[int, float]]]:
+    """As `Way` has them."""
+    for one in channels:
+        if one.also:
+            which = (one.above, *one.also)
+            coming = sum(flow[number] for number in which)
+            yield [(number, flow[number] / coming) for number in which]
+        else:
+            yield [(one.above, 1.0)] if one.above >= 0 else []
 
 
 def bends_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
@@ -133,8 +144,9 @@ def layers_of(way: Way, area: Floats, spread: Floats, bends: Floats | float = 0.
     steps = (4 * np.pi * spread * way.step).tolist()
     growth = np.diff(np.log(area), append=0.0).tolist()
     found: list[float] = []
-    for (start, end), above in zip(pairwise(way.starts), way.above, strict=True):
-        found.append(found[way.starts[above + 1] - 1] if above >= 0 else 1.0)
+    for (start, end), feeds in zip(pairwise(way.starts), way.feeds, strict=True):
+        each = [share * found[way.starts[above + 1] - 1] for above, share in feeds]
+        found.append(sum(each) if each else 1.0)
         square = found[-1] ** 2
         for k in range(start, end - 1):
             at = int(1000 * found[k])

@@ -26,19 +26,28 @@ class Seen:
     """The networks of some cases at some flows into them; their states follow case by case."""
 
     def __init__(
-        self, sides: Sides | None, networks: Sequence[Network], states: Sequence[State]
+        self,
+        sides: Sides | None,
+        inlets: int,
+        networks: Sequence[Network],
+        states: Sequence[State],
     ) -> None:
         self.usual = networks[0]
         self._shape = len(networks), len(states) // len(networks)
         self._networks = [one for one in networks for _ in range(self._shape[1])]
         self._flows = np.array([one.flow for one in states])
         self._drops: dict[tuple[Piece, ...], Floats] = {}
-        into = self._flows[:, 0]
+        tree = self.usual.tree
+        into = (tree.signs_of_inlets * self._flows[:, tree.inlets]).sum(axis=1)
         # No shares yet: those of a moment at which blood stands still are none.
-        aside = np.zeros((len(states), 2)) if sides is None else self._flows[:, sides.blocks]
-        inlets = np.array([one.inlet for one in states]) / PASCAL_PER_MMHG
-        self._head = np.column_stack([inlets, aside])
+        aside = np.zeros((len(states), 3)) if sides is None else sides.flows(tree, self._flows)
+        pressure = np.array([one.inlet for one in states]) / PASCAL_PER_MMHG
+        self._head = np.column_stack([pressure, aside])
         self._into = into.reshape(self._shape)
+        self._losses = np.empty((len(states), 0))
+        if inlets > 1:
+            self._losses = losses_of(self._networks, self._flows, inlets)
+            self._losses[:, :inlets] /= PASCAL_PER_MMHG
 
     def _drop(self, pieces: tuple[Piece, ...]) -> Floats:
         """Over a part, of all states (c * t, 2), mmHg."""
@@ -50,14 +59,15 @@ class Seen:
     def moments(
         self, known: Known, parts: Sequence[tuple[Piece, ...]], weights: Floats | None = None
     ) -> Floats:
-        """By case, moment and quantity: inlet, both shares, and two drops for every part.
+        """By case, moment and quantity: inlet, three shares, two drops for every part, and losses.
 
         Of a wave the first states, with weights (t,), make up the mean; without weights the states
         are those of even times of a cycle.
         """
         # Those of this answer are kept: lesions are asked for again, a stent elsewhere is not.
         self._drops = {pieces: self._drop(pieces) for pieces in parts}
-        every = np.hstack([self._head, *map(self._drop, parts)]).reshape(*self._shape, -1)
+        each = [self._head, *map(self._drop, parts), self._losses]
+        every = np.hstack(each).reshape(*self._shape, -1)
         into = self._into
         if known.wave is not None:
             count = self._shape[1]
@@ -67,5 +77,43 @@ class Seen:
             averaged = np.einsum("ctq,t->cq", every[:, cycle], weights)
             every = np.stack([averaged, every[:, peak]], axis=1)
         # Of the flow to a side counts how much goes there in a cycle; the mean flow is positive.
-        every[..., 1:3] /= into[..., None]
+        every[..., 1:4] /= into[..., None]
         return every
+
+
+def losses_of(networks: Sequence[Network], flows: Floats, count: int) -> Floats:
+    """From the first inlets, so many, to the outlets: drops, Pa, powers, W, and the whole power.
+
+    Parameters
+    ----------
+    networks : sequence of c Network
+        Of one tree.
+    flows : (c, n) array
+        Through their blocks, m^3/s.
+    count : int
+
+    Returns
+    -------
+    (c, 2 count + 1) array
+        A drop is of the total pressure, to its mean over the outlets, weighted by their flows. So
+        powers, flow times drop, add up to the whole one: what comes in with the flows less what
+        leaves with them.
+    """
+    tree = networks[0].tree
+    resistance, stenosis = (
+        np.array([getattr(one, name) for one in networks]) for name in ("resistance", "stenosis")
+    )
+    lost = tree.signs * (resistance + stenosis * np.abs(flows)) * flows
+    for number in tree.order[1:]:
+        lost[:, number] += lost[:, tree.above[number]]
+    coming = (tree.signs_of_inlets * flows[:, tree.inlets])[:, :count]
+    leaving = tree.signs[tree.outlets] * flows[:, tree.outlets]
+    at_inlets = -lost[:, tree.inlets[:count]]
+    at_inlets[:, 0] = 0.0  # from there all is lost
+    at_outlets = -lost[:, tree.outlets]
+    weights = np.abs(leaving)
+    whole = weights.sum(axis=1, keepdims=True)
+    weights = np.divide(weights, whole, out=np.zeros_like(weights), where=whole > 0)
+    drops = at_inlets - (weights * at_outlets).sum(axis=1, keepdims=True)
+    power = (coming * at_inlets).sum(axis=1) - (leaving * at_outlets).sum(axis=1)
+    return np.column_stack([drops, coming * drops, power])

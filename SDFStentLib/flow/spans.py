@@ -72,18 +72,16 @@ class Ways:
 
     def _pieces(self, ends: Points, before: float) -> tuple[Piece, ...]:
         found = self._nearest(slice(None), ends)
-        if self._from_root(found[0]) > self._from_root(found[1]):
+        if self._is_behind(*found):
             ends, found = ends[::-1], found[::-1]
         last, stop = found[1]
-        way = [last]
-        # Ends: at the root.
-        while self._channels[way[0]].above >= 0:
-            way.insert(0, self._channels[way[0]].above)
+        way = self._way(found[0][0], last)
         ((first, start),) = self._nearest(np.isin(self._channel, way), ends[:1])
-        at = max(self._from_root((first, start)) - before, float(self._channels[0].along[0]))
+        root = float(self._channels[way[0]].along[0])
+        at = max(self._from_root((first, start)) - before, root)
         # Ends: at the root at the latest.
-        while self._channels[first].along[0] > at and self._channels[first].above >= 0:
-            first = self._channels[first].above
+        while self._channels[first].along[0] > at and first != way[0]:
+            first = way[way.index(first) - 1]
             start = len(self._channels[first].points) - 1.0
         along = self._channels[first].along
         start = min(start, float(np.interp(at, along, np.arange(len(along)))))
@@ -96,6 +94,41 @@ class Ways:
             )
             for number in way
         )
+
+    def _is_behind(self, one: tuple[int, float], other: tuple[int, float]) -> bool:
+        """Whether blood comes to the second of two places before it comes to the first."""
+        if one[0] != other[0]:
+            if one[0] in self._before(other[0]):
+                return False
+            if other[0] in self._before(one[0]):
+                return True
+        return self._from_root(one) > self._from_root(other)
+
+    def _before(self, number: int) -> dict[int, int]:
+        """Of channels from which blood comes to one: that through which it goes on there."""
+        onward = {number: number}
+        waiting = [number]
+        # Ends: every channel waits once.
+        while waiting:
+            one = waiting.pop(0)
+            channel = self._channels[one]
+            for feeder in (channel.above, *channel.also):
+                if feeder >= 0 and feeder not in onward:
+                    onward[feeder] = one
+                    waiting.append(feeder)
+        return onward
+
+    def _way(self, first: int, last: int) -> list[int]:
+        """Channels from an inlet to the last one, through the first where that brings it blood."""
+        onward = self._before(last)
+        way = [first if first in onward else last]
+        # Ends: at the last channel.
+        while way[-1] != last:
+            way.append(onward[way[-1]])
+        # Ends: at an inlet.
+        while (above := self._channels[way[0]].above) >= 0:
+            way.insert(0, above)
+        return way
 
     def _nearest(self, among: slice | Flags, places: Points) -> list[tuple[int, float]]:
         """The channels that come nearest to some places, and at which station."""

@@ -19,6 +19,7 @@ from ..validation import DeploymentError, Floats
 from .answer import FlowAnswer
 from .known import Known
 from .network import Network, Outlets
+from .tree import Tree
 from .wave import STEPS
 
 CYCLES = 3
@@ -52,11 +53,14 @@ def svzerod_document(
     network: Network, outlets: Outlets, known: Known, notice: str = ""
 ) -> dict[str, Any]:
     """All that `svzerod.simulate` needs, in cgs: mL/s, dyn/cm^2, dyn s/cm^5; steady or a wave."""
-    wave = known.wave
+    wave, tree = known.wave, network.tree
     steps = STEPS if wave is None else wave.steps
     time = [0.0, 1.0] if wave is None else list(wave.time)
     flow = [known.mean] * 2 if wave is None else list(wave.flow)
-    ends = network.tree.outlets.tolist()
+    each = np.outer(tree.fractions, flow)
+    if known.is_uneven:
+        each = known.through(np.array(time), len(each)).T
+    ends = tree.outlets.tolist()
     level = _BARYE * outlets.pressure + _R * max(flow) / float((1 / outlets.resistance).sum())
     # A vessel on its own has no junctions; the solver takes an empty list.
     return {
@@ -67,7 +71,14 @@ def svzerod_document(
             "absolute_tolerance": max(_RESIDUAL, _ROUNDING * level),
         },
         "boundary_conditions": [
-            {"bc_name": "INFLOW", "bc_type": "FLOW", "bc_values": {"Q": flow, "t": time}},
+            *(
+                {
+                    "bc_name": name,
+                    "bc_type": "FLOW",
+                    "bc_values": {"Q": through, "t": time},
+                }
+                for name, through in zip(_inflows(tree), each.tolist(), strict=True)
+            ),
             *(
                 {
                     "bc_name": f"OUT{end}",
@@ -77,16 +88,7 @@ def svzerod_document(
                 for end, resistance in zip(ends, outlets.resistance.tolist(), strict=True)
             ),
         ],
-        "junctions": [
-            {
-                "junction_name": f"J{number}",
-                "junction_type": "NORMAL_JUNCTION",
-                "inlet_vessels": [number],
-                "outlet_vessels": below,
-            }
-            for number in range(len(network.blocks))
-            if (below := np.flatnonzero(network.tree.above == number).tolist())
-        ],
+        "junctions": list(_junctions(tree)),
         "vessels": list(_vessels(network)),
     }
 
@@ -128,7 +130,7 @@ def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple
             both = float(row["flow_in"]), float(row["pressure_in"])
             into.setdefault(row["name"], []).append(both)
     each = np.array([into[_name(number)] for number in range(len(network.blocks))])
-    flows, inlet = each[:, :, 0].T, each[0, :, 1]
+    flows, inlet = each[:, :, 0].T, each[network.tree.inlets[0], :, 1]
     if not (np.isfinite(flows).all() and np.isfinite(inlet).all()):
         raise _failed("numbers that are none: it did not converge", log)
     rmtree(folder, ignore_errors=True)
@@ -136,12 +138,38 @@ def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple
     return inlet[:-1] / _BARYE, 1e-6 * flows[:-1]
 
 
+def _inflows(tree: Tree) -> list[str]:
+    """Names of what comes in at the inlets."""
+    return [f"INFLOW{number or ''}" for number in range(len(tree.inlets))]
+
+
+def _junctions(tree: Tree) -> Iterator[dict[str, Any]]:
+    """Where vessels meet, by the first one that ends there."""
+    ending: dict[int, list[int]] = {}
+    starting: dict[int, list[int]] = {}
+    for number, (start, end) in enumerate(tree.ends.tolist()):
+        starting.setdefault(start, []).append(number)
+        ending.setdefault(end, []).append(number)
+    for node, coming in ending.items():
+        if node in starting:
+            yield {
+                "junction_name": f"J{coming[0]}",
+                "junction_type": "NORMAL_JUNCTION",
+                "inlet_vessels": coming,
+                "outlet_vessels": starting[node],
+            }
+
+
 def _vessels(network: Network) -> Iterator[dict[str, Any]]:
-    ends = set(network.tree.outlets.tolist())
-    columns = (network.resistance, network.inertance, network.stenosis, network.tree.above)
+    tree = network.tree
+    ends, coming = (
+        set(tree.outlets.tolist()),
+        dict(zip(tree.inlets.tolist(), _inflows(tree), strict=True)),
+    )
+    columns = (network.resistance, network.inertance, network.stenosis)
     each = zip(network.blocks, *(column.tolist() for column in columns), strict=True)
-    for number, (block, resistance, inertance, stenosis, above) in enumerate(each):
-        conditions = {"inlet": "INFLOW"} if above < 0 else {}
+    for number, (block, resistance, inertance, stenosis) in enumerate(each):
+        conditions = {"inlet": coming[number]} if number in coming else {}
         conditions |= {"outlet": f"OUT{number}"} if number in ends else {}
         yield {
             "vessel_id": number,

@@ -26,7 +26,7 @@ _MOST_CYCLE = 600.0
 """s."""
 
 
-def flow_value(text: str, name: str = "flow") -> float:
+def flow_value(text: str, name: str = "flow", *, may_be_zero: bool = False) -> float:
     """A flow with its unit, such as 41.7mL/s or 2.5L/min, in mL/s.
 
     Raises
@@ -42,7 +42,8 @@ def flow_value(text: str, name: str = "flow") -> float:
             f"{text.strip()!r}; write {FLOW_UNITS} behind the number, without a space."
         )
     value = float(number) * VOLUMES[volume] / TIMES[time]
-    return as_number(value, name, unit="mL/s", above=0, maximum=MOST_FLOW)
+    least = {"minimum": 0} if may_be_zero else {"above": 0}
+    return as_number(value, name, unit="mL/s", maximum=MOST_FLOW, **least)
 
 
 def time_value(text: str, name: str = "time") -> float:

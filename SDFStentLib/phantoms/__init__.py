@@ -1,5 +1,6 @@
 """Synthetic vessels whose axes, radii and openings are known exactly."""
 
+from .cavopulmonary import cavopulmonary_connection as cavopulmonary_connection
 from .phantoms import arch_with_coarctation as arch_with_coarctation
 from .phantoms import bent_tube as bent_tube
 from .phantoms import branching_pulmonary_artery as branching_pulmonary_artery

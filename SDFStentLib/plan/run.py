@@ -17,12 +17,14 @@ from ..files import (
     write_surface,
 )
 from ..flow import (
+    Ends,
     FlowAnswer,
     FlowModel,
     Known,
     Part,
     SideClues,
     has_svzerod,
+    inlets_of,
     solved_by_svzerod,
 )
 from ..stent import AlongAxis, OfStent, Stent
@@ -60,7 +62,9 @@ def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> Flow
             "the flow divides, nor where it goes on; name one (extract makes it), or leave the "
             "flow out."
         )
-    return FlowModel(vessel.channels, known, SideClues(frame, names=vessel.given_names))
+    ends = Ends(vessel.branch_names, vessel.given_names, vessel.begun)
+    clues = SideClues(frame, names=vessel.given_names)
+    return FlowModel(vessel.channels, known, clues, inlets_of(vessel.channels, known, ends))
 
 
 def flow_of_plan(plan: Plan, vessel: Vessel, frame: Frame | None) -> FlowModel | None:

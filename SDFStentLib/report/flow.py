@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ..flow import L_PER_MIN, UNCERTAIN, Band, FlowAnswer, Moment, Wave
+from ..flow import ADULT, L_PER_MIN, OTHERS, UNCERTAIN, Band, FlowAnswer, Inlets, Moment, Wave
 from .markup import paragraph, table
 from .words import RESEARCH_USE
 
 Section = Mapping[str, Any]
+
+ML_PER_L = 1000.0
 
 FLOW_NOTE = (
     "A network of the vessel tree: friction of laminar flow in rigid elliptic sections and bends, "
@@ -18,6 +20,21 @@ FLOW_NOTE = (
     "ones reach to the lowest pressure in the narrowing. In brackets the range by uncertain "
     f"{', '.join(name for name, _ in UNCERTAIN)}. No measured gradient, and no adaptation of the "
     "lungs to the new flow."
+)
+
+SEVERAL_INLETS = (
+    "With several inlets, as in a Fontan circulation, a drop is of the total pressure from that "
+    "inlet to the outlets, their mean by flow. Power losses of the inlets add up. "
+    "Indexed it is power loss (W) times the square of the body surface area (m2), over density "
+    "(kg/m3) and the cube of the flow (L/s), after Dasi et al., J Biomech 2008;41:2246. Streams "
+    "that collide are taken as mixed: where caval flows miss each other it is less."
+)
+
+STENTED_FONTANS = (
+    "Catheters found 2.0 (2 to 3) mmHg over narrowed Fontan pathways of 10.5 mm, and 0 (0 to 1) "
+    "over the same with stents, of 18 mm (20 patients; Hagler et al., Congenit Heart Dis "
+    "2019;14:571); of 51 narrowed lateral tunnels 18 had a gradient. A small drop does not tell "
+    "that a pathway is wide enough, and no limit of the power loss is agreed on."
 )
 
 FIXED_SPLIT = (
@@ -56,6 +73,8 @@ def flow_section(answer: FlowAnswer) -> dict[str, Any]:
             "inlet_pressure_mmhg": known.inlet,
             "wedge_mmhg": known.wedge,
             "split_right": known.split_right,
+            "inlets": [{"name": one.name, "flow_ml_s": one.mean} for one in known.inlets],
+            "bsa_m2": known.bsa,
         },
         **{
             state: moments and {name: _section(answer, name, one) for name, one in moments.items()}
@@ -74,11 +93,11 @@ def _wave(wave: Wave) -> dict[str, float]:
 
 def _section(answer: FlowAnswer, name: str, moment: Moment) -> dict[str, Any]:
     flow = answer.flows[name]
-    sides = answer.sides.names if answer.sides else ()
+    sides = (*answer.sides.names, OTHERS) if answer.sides else ()
     return {
         "flow_ml_s": flow,
         "inlet_mmhg": _triple(moment.inlet),
-        "share": {side: _triple(b) for side, b in zip(sides, moment.sides or (), strict=True)},
+        "share": {side: _triple(b) for side, b in zip(sides, moment.sides or (), strict=False)},
         "narrowings": [
             {
                 "name": part,
@@ -87,7 +106,28 @@ def _section(answer: FlowAnswer, name: str, moment: Moment) -> dict[str, Any]:
             }
             for part, drop in zip(answer.parts, moment.drops, strict=True)
         ],
+        "inlets": [
+            {
+                "name": inlet,
+                "flow_ml_s": inflow,
+                "drop_mmhg": _triple(one.drop),
+                "power_loss_w": _triple(one.power),
+            }
+            for inlet, inflow, one in zip(
+                answer.inlets.names, answer.inflow[name], moment.inlets, strict=False
+            )
+        ],
+        "power_loss_w": _triple(moment.power),
+        "indexed_power_loss": _triple(_indexed(moment.power, flow, answer.known.bsa)),
     }
+
+
+def _indexed(power: Band | None, flow: float, bsa: float | None) -> Band | None:
+    """Power loss over what body surface area and flow, mL/s, let one expect."""
+    if power is None or bsa is None:
+        return None
+    unit = ADULT.density * (flow / ML_PER_L) ** 3 / bsa**2
+    return Band(*(one / unit for one in power))
 
 
 def _triple(band: Band | None) -> dict[str, float] | None:
@@ -146,6 +186,7 @@ def share_gained(before: Section, after: Section) -> Gained | None:
     found = [
         Gained(side, *(100 * one["share"][side]["value"] for one in (before, after)))
         for side in before["share"]
+        if side != OTHERS
     ]
     return max(found, key=lambda one: one.after - one.before, default=None)
 
@@ -183,8 +224,11 @@ def _of_moment(section: Section, moment: str, most: int | None) -> Rows:
     wave = section["known"]["wave"]
     if wave and moment == "mean":
         rows.append(("wave", _wave_words(wave, section["known"])))
+    inlets = first["inlets"]
     if first["inlet_mmhg"]:
-        rows.append(("inlet pressure", _change([one["inlet_mmhg"] for one in found], "mmHg")))
+        which = f" at {inlets[0]['name']}" if inlets else ""
+        told = _change([one["inlet_mmhg"] for one in found], "mmHg")
+        rows.append((f"inlet pressure{which}", told))
     for side in first["share"]:
         shares = [one["share"][side] for one in found]
         rows.append((f"flow to the {side}", _change(shares, "%", 100.0)))
@@ -195,6 +239,24 @@ def _of_moment(section: Section, moment: str, most: int | None) -> Rows:
             for kind in ("recovered", "maximal")
         )
         rows.append((f"drop over {narrowing['name']}", words))
+    return [*rows, *_of_inlets(found)]
+
+
+def _of_inlets(found: Sequence[Section]) -> Rows:
+    """What is lost from each of several inlets to the outlets, before and after."""
+    rows, (first, *_) = [], found
+    for number, inlet in enumerate(first["inlets"]):
+        each = [one["inlets"][number] for one in found]
+        drops = _change([one["drop_mmhg"] for one in each], "mmHg")
+        powers = _change([one["power_loss_w"] for one in each], "mW", 1e3)
+        flow = brief(inlet["flow_ml_s"])
+        rows.append((f"from {inlet['name']}, {flow} mL/s", f"drop {drops}; power loss {powers}"))
+    if first["power_loss_w"]:
+        words = _change([one["power_loss_w"] for one in found], "mW", 1e3)
+        if first["indexed_power_loss"]:
+            index = " -> ".join(f"{one['indexed_power_loss']['value']:.3g}" for one in found)
+            words += f"; indexed {index}"
+        rows.append(("power loss of the connection", words))
     return rows
 
 
@@ -225,5 +287,23 @@ def brief(value: float) -> str:
 
 
 def _notes(answer: FlowAnswer) -> list[str]:
-    told = [] if answer.known.has_pressures else [FIXED_SPLIT]
+    told = _inlet_notes(answer.inlets)
+    told += [] if answer.known.has_pressures else [FIXED_SPLIT]
     return [*told, *([QUASI_STEADY] if answer.is_quasi_steady else []), FLOW_NOTE]
+
+
+def _inlet_notes(inlets: Inlets) -> list[str]:
+    """Which inlets were taken where there are several, and which were closed."""
+    told = []
+    if inlets.closed:
+        one = len(inlets.closed) == 1
+        told.append(
+            f"All blood comes in at {_listed(inlets.names)}; {_listed(inlets.closed)} "
+            f"{'is an inlet' if one else 'are inlets'}, too, by the lines of the centerline, and "
+            f"{'was' if one else 'were'} closed: give the flow at every inlet to know more."
+        )
+    return [*told, *([SEVERAL_INLETS, STENTED_FONTANS] if len(inlets.names) > 1 else [])]
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

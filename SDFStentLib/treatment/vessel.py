@@ -128,6 +128,11 @@ class Vessel:
             cautions.append(Caution("ends-without-line", {"ends": len(ends), "without": without}))
         return tuple(cautions)
 
+    @property
+    def begun(self) -> frozenset[int]:
+        """Branches at whose ends lines of the file begin, as at the root."""
+        return frozenset()
+
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
         """`channels_of` it, for flow; it needs a centerline."""

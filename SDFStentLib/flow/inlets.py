@@ -1,0 +1,103 @@
+"""Where blood comes in: from the names that the user knows to the ends of a vessel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from ..validation import InputError
+from .channels import Channel
+from .course import tips_of
+from .known import Known
+
+LISTED = 6
+"""Names of ends that a complaint lists."""
+
+
+class Ends(NamedTuple):
+    """What is known of the branches of a centerline, for the ends to which they lead."""
+
+    names: Sequence[str] = ()
+    """What reports call them."""
+    given: Sequence[str | None] = ()
+    """What the user calls them."""
+    begun: frozenset[int] = frozenset()
+    """Those at whose ends lines of the file begin, as at the root; other inlets, that is."""
+
+
+class Inlets(NamedTuple):
+    """Where blood comes in, and where it might."""
+
+    fractions: dict[int, float]
+    """Of the flow by node, as of `course.nodes_of`, the first one first; 0 where it is closed."""
+    names: tuple[str, ...]
+    """Of those that are not closed,"""
+    closed: tuple[str, ...]
+    """and of those that are because nothing is known of them."""
+
+
+FROM_ROOT = Inlets({0: 1.0}, ("inlet",), ())
+
+
+def inlets_of(channels: Sequence[Channel], known: Known, ends: Ends) -> Inlets:
+    """The inlets of a vessel: those with a known flow, or the root of the centerline.
+
+    Then other ends at which lines begin are closed.
+
+    Raises
+    ------
+    InputError
+        A name of no end, or of several.
+    """
+    branch_at = {
+        node: int(channels[max(node - 1, 0)].branch[-1 if node else 0])
+        for node in tips_of(channels)
+    }
+    names = {node: _names(branch, ends) for node, branch in branch_at.items()}
+    closed = [node for node, branch in branch_at.items() if node and branch in ends.begun]
+    if not known.inlets:
+        found = {0: 1.0, **dict.fromkeys(closed, 0.0)}
+        return Inlets(found, (names[0][0],), tuple(names[node][0] for node in closed))
+    told: dict[int, str] = {}
+    for one in known.inlets:
+        node = _named(one.name, names)
+        if node in told:
+            raise InputError(
+                f"inlets: expected another end for each, got {told[node]!r} and {one.name!r} for "
+                "the same one; leave one of them out."
+            )
+        told[node] = one.name
+    found = dict(zip(told, known.fractions, strict=True))
+    # Pressure is told at the first one; that is where blood comes in.
+    order = sorted(found, key=lambda node: not found[node])
+    closed = [node for node in closed if node not in found]
+    return Inlets(
+        {node: found[node] for node in order} | dict.fromkeys(closed, 0.0),
+        tuple(told[node] for node in order if found[node]),
+        tuple(names[node][0] for node in closed),
+    )
+
+
+def _names(branch: int, ends: Ends) -> tuple[str, ...]:
+    """Of the end of a branch: as reports have it, as the user has, and by number and face."""
+    number = f"branch {branch + 1}"
+    own = ends.names[branch] if branch < len(ends.names) else number
+    given = ends.given[branch] if branch < len(ends.given) else None
+    return own, *([given] if given else []), number, own.removeprefix("branch to ")
+
+
+def _named(name: str, names: dict[int, tuple[str, ...]]) -> int:
+    """The node of an end by its name."""
+    found = [
+        node for node, own in names.items() if name.casefold() in (one.casefold() for one in own)
+    ]
+    # What the user calls the vessel at the root may go on in one of its branches.
+    if len(found) == 1 or found[:1] == [0]:
+        return found[0]
+    told = ", ".join(own[0] for own in list(names.values())[:LISTED])
+    raise InputError(
+        f"inlets: expected the name of one end of the vessel, such as {told}, got {name!r}"
+        f"{', which several have' if found else ''}; take another one, or name the ends",
+        "names",
+        end=".",
+    )

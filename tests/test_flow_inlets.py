@@ -1,0 +1,240 @@
+"""Vessels with several inlets: a Fontan circulation, and any vessel from any of its ends."""
+
+import json
+from itertools import permutations
+
+import numpy as np
+import pytest
+from seeds import seeds
+from test_flow_graphs import by_nodes
+from tube_files import write_vessel
+
+from SDFStentLib.cli import main
+from SDFStentLib.flow import (
+    Ends,
+    FlowModel,
+    Inflow,
+    Part,
+    channels_of,
+    inlets_of,
+    known_flow,
+    solved_by_svzerod,
+    steady,
+)
+from SDFStentLib.geometry import NamedFaces
+from SDFStentLib.phantoms import (
+    branching_pulmonary_artery,
+    cavopulmonary_connection,
+    stenosed_tube,
+)
+from SDFStentLib.plan import flow_model
+from SDFStentLib.treatment import Vessel
+from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import VesselName
+
+MMHG = 133.322
+ENDS = {"IVC": 2, "RPA": 3, "LPA": 4, "SVC": 5}
+
+
+def a_vessel(phantom, root=None, names=()):
+    tree = phantom.centerline
+    if root is not None:
+        lines = [tree.ancestry(leaf) for leaf in tree.leaves]
+        tree = type(tree).from_lines(tree.points, lines, tree.inscribed_radius, inlet=root)
+    faces = NamedFaces(phantom.face_ids, {})
+    return Vessel(phantom.surface, tree, faces=faces, names=tuple(names))
+
+
+@pytest.fixture(scope="module")
+def fontan():
+    return cavopulmonary_connection(1.3)
+
+
+def a_fontan(phantom, root=None):
+    return a_vessel(phantom, root, (VesselName(name, face) for name, face in ENDS.items()))
+
+
+def flows(**inlets):
+    return tuple(Inflow(name, mean) for name, mean in inlets.items())
+
+
+def whole(moment):
+    return sum(band.value for band in moment.sides)
+
+
+def test_caval_veins_flow_into_both_lungs(fontan):
+    known = known_flow(inlets=flows(IVC=30.0, SVC=20.0), inlet=14.0, wedge=8.0)
+    answer = flow_model(a_fontan(fontan), known, "RAS").answer()
+    moment = answer.before["mean"]
+    assert answer.inlets.names == ("IVC", "SVC")
+    assert answer.inflow["mean"] == (30.0, 20.0)
+    assert sorted(answer.sides.names) == ["LPA", "RPA"]
+    assert whole(moment) == pytest.approx(1.0, abs=1e-12)
+    assert moment.inlet.value == pytest.approx(14.0, abs=1e-6)
+    first, second = moment.inlets
+    # The narrowed conduit costs more than the vein that is as wide as the arteries.
+    assert 0 < second.drop.value < first.drop.value
+    for inlet, flow in zip(moment.inlets, (30e-6, 20e-6), strict=True):
+        assert inlet.power.value == pytest.approx(inlet.drop.value * MMHG * flow, rel=1e-9)
+    total = sum(inlet.power.value for inlet in moment.inlets)
+    assert moment.power.value == pytest.approx(total, rel=1e-9)
+    # What goes in and does not come out is what the blocks lose.
+    (network,) = answer.networks
+    flow = steady(network, answer.outlets, 50e-6).flow
+    lost = (network.resistance + network.stenosis * np.abs(flow)) * flow**2
+    assert moment.power.value == pytest.approx(lost.sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", seeds(6, 100))
+def test_any_of_its_ends_may_be_inlets_outlets_or_closed(fontan, seed):
+    random = np.random.default_rng(seed)
+    names = random.permutation(list(ENDS)).tolist()
+    count = int(random.integers(1, 4))
+    means = random.uniform(1, 40, count) * (random.random(count) < 0.8)
+    means[0] += 5.0
+    given = flows(**dict(zip(names[:count], means.tolist(), strict=True)))
+    pressures = {"inlet": 40.0, "wedge": 8.0} if random.random() < 0.5 else {}
+    known = known_flow(inlets=given, **pressures)
+    answer = flow_model(a_fontan(fontan), known).answer()
+    (network,), moment = answer.networks, answer.before["mean"]
+    if moment.sides:
+        assert whole(moment) == pytest.approx(1.0, abs=1e-9)
+    assert all(np.isfinite(one.drop).all() for one in moment.inlets)
+    tree, mean = network.tree, 1e-6 * known.mean
+    state = steady(network, answer.outlets, mean)
+    entering = tree.fractions * mean
+    flow, pressure = by_nodes(tree.ends, tree.inlets.tolist(), network, answer.outlets, entering)
+    assert state.flow == pytest.approx(flow, abs=1e-7 * mean)
+    drops = [state.inlet - one for one in pressure]
+    inlet, through = solved_by_svzerod(network, answer.outlets, known)
+    assert through[-1] == pytest.approx(flow, abs=1e-6 * mean)
+    assert inlet[-1] == pytest.approx(state.inlet, abs=1e-3 * MMHG)
+    for one, drop in zip(moment.inlets, drops, strict=False):
+        assert moment.inlets[0].drop.value - one.drop.value == pytest.approx(drop / MMHG, abs=1e-4)
+
+
+@pytest.mark.parametrize("root", ["RPA", "LPA", "SVC"])
+def test_the_root_of_the_centerline_does_not_matter(fontan, root):
+    known = known_flow(inlets=flows(IVC=30.0, SVC=20.0), inlet=14.0, wedge=8.0)
+    place = next(one.center for one in fontan.openings if one.face_id == ENDS[root])
+    told, other = (
+        flow_model(vessel, known).answer().before["mean"]
+        for vessel in (a_fontan(fontan), a_fontan(fontan, place))
+    )
+    assert other.power.value == pytest.approx(told.power.value, rel=0.05)
+    for one, same in zip(told.inlets, other.inlets, strict=True):
+        assert same.drop.value == pytest.approx(one.drop.value, abs=0.02)
+
+
+def test_a_stent_in_the_conduit_spares_the_lower_body(fontan):
+    wide = cavopulmonary_connection(1.3, throat_radius=9.0)
+    known = known_flow(inlets=flows(IVC=60.0, SVC=20.0), inlet=16.0, wedge=8.0)
+    before, after = (
+        flow_model(a_fontan(one), known).answer().before["mean"] for one in (fontan, wide)
+    )
+    assert before.inlets[0].drop.value > after.inlets[0].drop.value + 0.3
+    assert before.power.value > after.power.value + 0.3 * MMHG * 60e-6
+
+
+def test_a_tube_costs_the_same_from_either_end():
+    tube = stenosed_tube(edge_length=0.7, stenosis_length=20.0)
+    channels = channels_of(tube.surface, tube.centerline)
+    ends = Ends(("the tube",))
+    place = tube.centerline.points[[0, -1]]
+    drops = []
+    for node in (0, 1):
+        inlets = inlets_of(channels, known_flow(5.0), ends)._replace(fractions={node: 1.0})
+        model = FlowModel(channels, known_flow(5.0), inlets=inlets)
+        drops.append(model.answer(parts=[Part("tube", place)]).before["mean"].drops[0])
+    for kind in ("recovered", "maximal"):
+        one, other = (getattr(drop, kind).value for drop in drops)
+        assert other == pytest.approx(one, rel=0.02)
+
+
+def test_blood_that_runs_from_a_branch_into_the_main_artery_costs_something_else():
+    """Where two streams meet more is lost than where one divides, and it is no NaN."""
+    vessel = a_vessel(branching_pulmonary_artery(1.0))
+    names = {branch: number for number, branch in enumerate(vessel.branch_names)}
+    answers = []
+    for first, second in permutations([f"branch {k}" for k in (2, 3)]):
+        known = known_flow(inlets=flows(**{first: 12.0, second: 8.0}))
+        moment = flow_model(vessel, known).answer().before["mean"]
+        answers.append([one.drop.value for one in moment.inlets])
+        assert moment.sides is None
+        assert min(answers[-1]) > 0
+    assert len(names) == 3
+    assert np.isfinite(answers).all()
+
+
+@pytest.mark.parametrize(
+    ("inlets", "words"),
+    [
+        (flows(SCV=20.0), "name of one end"),
+        ((Inflow("IVC", 3.0), Inflow("ivc", 3.0)), "each once"),
+        (flows(IVC=30.0, **{"branch 1": 3.0}), "another end for each"),
+        (flows(IVC=1.0, SVC=1.0, LPA=1.0, RPA=1.0), "at which blood leaves"),
+    ],
+)
+def test_inlets_that_are_none_are_refused(fontan, inlets, words):
+    with pytest.raises(InputError, match=words):
+        flow_model(a_fontan(fontan), known_flow(inlets=inlets))
+
+
+def test_flows_of_inlets_add_up_to_the_mean_flow():
+    assert known_flow(inlets=flows(a=1.0, b=2.0)).mean == 3.0
+    with pytest.raises(InputError, match="add up to the mean flow, 4 mL/s, got 3"):
+        known_flow(4.0, inlets=flows(a=1.0, b=2.0))
+    with pytest.raises(InputError, match="greater than 0"):
+        known_flow(inlets=flows(a=0.0, b=0.0))
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch, fontan):
+    write_vessel(tmp_path, fontan, "fontan.vtp", "line.vtp", per_mm=1.0, radii=True)
+    (tmp_path / "names.json").write_text(json.dumps(ENDS))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+FLOW = ["flow", "fontan.vtp", "--centerline", "line.vtp", "--names", "names.json"]
+INLETS = ["--inlet", "IVC=1.8L/min", "--inlet", "SVC=20mL/s"]
+
+
+def test_the_command_tells_what_each_caval_vein_loses_before_and_after(files, capsys):
+    stent = ["--center", "0", "0", "26", "--length", "36", "--diameter", "18"]
+    made = ["-o", "out.vtp", "--save-plan", "plan.json", "--report", "report.html"]
+    assert main(["deploy", *FLOW[1:], *INLETS, *stent, "--bsa", "1.2", *made]) == 0
+    told = capsys.readouterr().out
+    assert "from IVC, 30.0 mL/s drop" in told
+    assert "power loss of the connection" in told
+    plan = json.loads((files / "plan.json").read_text())["flow"]
+    assert plan["inlets"][1] == {"name": "SVC", "mean": 20.0, "wave": None}
+    assert plan["bsa"] == 1.2
+    page = (files / "report.html").read_text()
+    assert "Fontan circulation" in page
+    assert "power loss of the connection" in page
+    assert main(["run", "plan.json", "-o", "again"]) == 0
+    section = json.loads((files / "again" / "report.json").read_text())["flow"]
+    assert section["known"]["inlets"][0] == {"name": "IVC", "flow_ml_s": 30.0}
+    before, after = (section[state]["mean"] for state in ("before", "after"))
+    assert sum(share["value"] for share in after["share"].values()) == pytest.approx(1.0)
+    assert before["power_loss_w"]["value"] > after["power_loss_w"]["value"]
+    index = before["power_loss_w"]["value"] * 1.2**2 / (1060 * 0.05**3)
+    assert before["indexed_power_loss"]["value"] == pytest.approx(index, rel=1e-9)
+
+
+@pytest.mark.parametrize("text", ["SVC", "=20mL/s", "SVC=", "SVC=20", "SVC=-3mL/s"])
+def test_an_inlet_without_name_or_flow_is_refused(files, capsys, text):
+    assert main([*FLOW, "--inlet", "IVC=30mL/s", "--inlet", text]) == 2
+    assert "--inlet" in capsys.readouterr().err
+
+
+def test_networks_of_two_inlets_run_unchanged_in_svzerod(files):
+    svzerod = pytest.importorskip("svzerod")
+    assert main([*FLOW, *INLETS, "--inlet-pressure", "14", "--wedge", "8", "--export-0d", "o"]) == 0
+    document = json.loads((files / "o" / "before.json").read_text())
+    kinds = [one["bc_type"] for one in document["boundary_conditions"]]
+    assert kinds.count("FLOW") == 2
+    found = svzerod.simulate(document)
+    first = found[found["name"] == "vessel0"].iloc[-1]
+    assert first["pressure_in"] / (10 * MMHG) == pytest.approx(14.0, abs=1e-3)
