@@ -15,6 +15,7 @@ from SDFStentLib.flow import (
     FlowModel,
     Inflow,
     Part,
+    Wave,
     channels_of,
     inlets_of,
     known_flow,
@@ -28,7 +29,8 @@ from SDFStentLib.phantoms import (
     stenosed_tube,
 )
 from SDFStentLib.plan import flow_model
-from SDFStentLib.treatment import Vessel
+from SDFStentLib.simulation.conditions import conditions_of
+from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import VesselName
 
@@ -113,6 +115,44 @@ def test_any_of_its_ends_may_be_inlets_outlets_or_closed(fontan, seed):
         assert moment.inlets[0].drop.value - one.drop.value == pytest.approx(drop / MMHG, abs=1e-4)
 
 
+def a_wave(random, mean, cycle=0.8):
+    time = np.linspace(0, cycle, 9)
+    flow = mean + mean * random.uniform(-1.2, 1.6, 9)
+    flow[-1] = flow[0]
+    return Wave(tuple(time.tolist()), tuple(flow.tolist()))
+
+
+@pytest.mark.parametrize("seed", seeds(2, 40))
+def test_waves_of_every_inlet_are_told_as_svzerod_has_them(fontan, seed):
+    random = np.random.default_rng(seed)
+    means = random.uniform(10, 35, 2).tolist()
+    given = tuple(
+        Inflow(name, mean, a_wave(random, mean) if random.random() < 0.8 or not k else None)
+        for k, (name, mean) in enumerate(zip(("SVC", "IVC"), means, strict=True))
+    )
+    known = known_flow(inlets=given, inlet=16.0, wedge=6.0)
+    assert known.wave.mean == pytest.approx(sum(means))
+    model = flow_model(a_fontan(fontan), known)
+    solved, steps = model.answer(solve=solved_by_svzerod), model.answer()
+    (network,) = solved.networks
+    inlet, through = solved_by_svzerod(network, solved.outlets, known)
+    told, rough = solved.before["mean"], steps.before["mean"]
+    assert told.inlet.value == pytest.approx(inlet.mean() / MMHG, abs=1e-3)
+    assert whole(told) == pytest.approx(1.0, abs=1e-9)
+    coming = through[:, network.tree.inlets[0]]
+    assert 1e6 * coming.mean() == pytest.approx(means[0], rel=1e-3)
+    assert rough.inlet.value == pytest.approx(16.0, abs=1e-3)
+    assert rough.power.value == pytest.approx(told.power.value, rel=0.1)
+    assert np.isfinite([band for one in told.inlets for band in (*one.drop, *one.power)]).all()
+
+
+def test_waves_of_inlets_that_take_unlike_times_are_refused():
+    random = np.random.default_rng(0)
+    given = (Inflow("a", 5.0, a_wave(random, 5.0)), Inflow("b", 5.0, a_wave(random, 5.0, 0.9)))
+    with pytest.raises(InputError, match=r"one length, got 0\.8 and 0\.9 s"):
+        known_flow(inlets=given)
+
+
 @pytest.mark.parametrize("root", ["RPA", "LPA", "SVC"])
 def test_the_root_of_the_centerline_does_not_matter(fontan, root):
     known = known_flow(inlets=flows(IVC=30.0, SVC=20.0), inlet=14.0, wedge=8.0)
@@ -191,7 +231,7 @@ def test_flows_of_inlets_add_up_to_the_mean_flow():
 @pytest.fixture
 def files(tmp_path, monkeypatch, fontan):
     write_vessel(tmp_path, fontan, "fontan.vtp", "line.vtp", per_mm=1.0, radii=True)
-    (tmp_path / "names.json").write_text(json.dumps(ENDS))
+    (tmp_path / "names.json").write_text(json.dumps(ENDS), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -207,14 +247,14 @@ def test_the_command_tells_what_each_caval_vein_loses_before_and_after(files, ca
     told = capsys.readouterr().out
     assert "from IVC, 30.0 mL/s drop" in told
     assert "power loss of the connection" in told
-    plan = json.loads((files / "plan.json").read_text())["flow"]
+    plan = json.loads((files / "plan.json").read_text(encoding="utf-8"))["flow"]
     assert plan["inlets"][1] == {"name": "SVC", "mean": 20.0, "wave": None}
     assert plan["bsa"] == 1.2
-    page = (files / "report.html").read_text()
+    page = (files / "report.html").read_text(encoding="utf-8")
     assert "Fontan circulation" in page
     assert "power loss of the connection" in page
     assert main(["run", "plan.json", "-o", "again"]) == 0
-    section = json.loads((files / "again" / "report.json").read_text())["flow"]
+    section = json.loads((files / "again" / "report.json").read_text(encoding="utf-8"))["flow"]
     assert section["known"]["inlets"][0] == {"name": "IVC", "flow_ml_s": 30.0}
     before, after = (section[state]["mean"] for state in ("before", "after"))
     assert sum(share["value"] for share in after["share"].values()) == pytest.approx(1.0)
@@ -232,9 +272,34 @@ def test_an_inlet_without_name_or_flow_is_refused(files, capsys, text):
 def test_networks_of_two_inlets_run_unchanged_in_svzerod(files):
     svzerod = pytest.importorskip("svzerod")
     assert main([*FLOW, *INLETS, "--inlet-pressure", "14", "--wedge", "8", "--export-0d", "o"]) == 0
-    document = json.loads((files / "o" / "before.json").read_text())
+    document = json.loads((files / "o" / "before.json").read_text(encoding="utf-8"))
     kinds = [one["bc_type"] for one in document["boundary_conditions"]]
     assert kinds.count("FLOW") == 2
     found = svzerod.simulate(document)
     first = found[found["name"] == "vessel0"].iloc[-1]
     assert first["pressure_in"] / (10 * MMHG) == pytest.approx(14.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("has_pressures", [True, False])
+def test_a_vein_that_is_cut_off_is_an_inlet_in_3d(fontan, has_pressures):
+    vessel = a_fontan(fontan)
+    ends = [fontan.vessels[0].axis.point(at)[0] for at in (8.0, 95.0)]
+    segment = extract_segment(vessel, *ends, SegmentWishes(False, True)).before
+    pressures = {"inlet": 14.0, "wedge": 8.0} if has_pressures else {}
+    known = known_flow(inlets=flows(IVC=30.0, SVC=20.0), **pressures)
+    model = flow_model(vessel, known)
+    answer = model.answer(vessel.channels)
+    made, _ = conditions_of(answer, model.channels, segment, segment)
+    assert made.inflow == pytest.approx(30.0, rel=1e-6)
+    by_kind = {one.kind: one for one in made.outlets}
+    vein = by_kind["flow"] if has_pressures else min(made.outlets, key=lambda one: one.flow)
+    assert vein.kind == "flow"
+    assert vein.value == pytest.approx(-20.0, rel=1e-6)
+    assert made.entering == pytest.approx(50.0, rel=1e-6)
+    assert sum(one.flow for one in made.outlets) == pytest.approx(30.0, rel=1e-6)
+    if has_pressures:
+        # Both lungs leave 14 mmHg less what the connection costs to the flow beyond 8.
+        for one in made.outlets:
+            if one.kind == "resistance":
+                beyond = one.value * one.flow / (10 * MMHG)
+                assert 4.0 < beyond < 6.0

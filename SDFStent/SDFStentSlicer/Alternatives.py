@@ -35,6 +35,8 @@ COPIED = (
     "flowMean",
     "flowPeak",
     "flowWave",
+    "flowInlets",
+    "flowBsa",
     "flowUnusual",
     "inletPressure",
     "wedgePressure",

@@ -8,7 +8,7 @@ from dataclasses import replace
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.flow import Known, Wave, has_svzerod
+from SDFStentLib.flow import Inflow, Known, Wave, has_svzerod
 from SDFStentLib.validation import InputError, one_line
 
 ML_PER_S = 1000 / 60
@@ -30,6 +30,16 @@ def waveOf(parameterNode):
         1 + wave.peak / wave.mean
     )
     return wave if isOwn else None
+
+
+def inletsOf(parameterNode, mean, hasWave):
+    """The inlets of a plan with so much flow together, mL/s; their own waves where that of all is theirs."""
+    found = json.loads(parameterNode.flowInlets or "[]")
+    whole = sum(part for _name, part, _wave in found)
+    return tuple(
+        Inflow(name, part * mean / whole, Wave(*map(tuple, wave)) if wave and hasWave else None)
+        for name, part, wave in found
+    )
 
 
 def lacksSolver(parameterNode):
@@ -57,8 +67,11 @@ def knownOf(parameterNode):
         return None
     hasPressures = parameterNode.inletPressure > 0
     wave = waveOf(parameterNode)
+    mean = parameterNode.flowMean * ML_PER_S
     return Known(
-        parameterNode.flowMean * ML_PER_S,
+        mean,
+        inlets=inletsOf(parameterNode, mean, wave is not None),
+        bsa=parameterNode.flowBsa or None,
         peak=parameterNode.flowPeak * ML_PER_S or None if wave is None else None,
         wave=wave,
         inlet=parameterNode.inletPressure if hasPressures else None,
@@ -88,12 +101,18 @@ def valuesOf(plan):
     """The flow of a plan as values of the parameter node."""
     known = plan.flow
     if known is None:
-        names = ("flowMean", "flowPeak", "inletPressure", "wedgePressure", "splitRight")
-        return {**dict.fromkeys(names, 0.0), "flowWave": "", "flowUnusual": False}
+        names = ("flowMean", "flowPeak", "inletPressure", "wedgePressure", "splitRight", "flowBsa")
+        empty = {"flowWave": "", "flowInlets": "", "flowUnusual": False}
+        return {**dict.fromkeys(names, 0.0), **empty}
     wave = known.wave
+    inlets = [
+        (one.name, one.mean, one.wave and (one.wave.time, one.wave.flow)) for one in known.inlets
+    ]
     return {
         "flowUnusual": known.unusual,
         "flowWave": "" if wave is None else json.dumps([wave.time, wave.flow]),
+        "flowInlets": json.dumps(inlets) if inlets else "",
+        "flowBsa": known.bsa or 0.0,
         "flowMean": known.mean / ML_PER_S,
         "flowPeak": (known.most or 0.0) / ML_PER_S,
         "inletPressure": known.inlet or 0.0,

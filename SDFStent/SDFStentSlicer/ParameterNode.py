@@ -224,6 +224,10 @@ class SDFStentParameterNode:
     splitRight: Annotated[float, _within("splitRight")] = 0.0
     flowWave: str = ""
     """That of a plan, as JSON, its times and flows; it counts while mean and peak are its own."""
+    flowInlets: str = ""
+    """Those of a plan, as JSON, names, flows and waves; scaled to the mean flow."""
+    flowBsa: float = 0.0
+    """Body surface area of a plan, m2; 0 for none."""
     flowUnusual: bool = False
     """Whether a plan says that a heart rate or a flow beyond the usual ones is meant so."""
     rightBranch: str = ""

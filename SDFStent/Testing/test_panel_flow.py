@@ -144,6 +144,28 @@ def test_a_wave_of_a_plan_is_told_and_kept_until_its_peak_is_changed(
     assert aStent.logic.lastRun(parameters).flow.known.wave is None
 
 
+def test_inlets_of_a_plan_are_told_and_kept(host, aStent, tmp_path):
+    from SDFStentLib.plan import load_plan
+
+    aFlow(aStent.ui)
+    aStent.ui.splitRightSpinBox.value = 0
+    path, again = tmp_path / "inlets.json", tmp_path / "again.json"
+    aStent.logic.savePlan(path, aStent._parameterNode)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    document["flow"] |= {"inlets": [{"name": "branch 1", "mean": 50.0}], "bsa": 1.2}
+    path.write_text(json.dumps(document), encoding="utf-8")
+    aStent.logic.loadPlan(path, aStent._parameterNode)
+    deploy(host, aStent)
+    known = aStent.logic.lastRun(aStent._parameterNode).flow.known
+    assert [(one.name, one.mean) for one in known.inlets] == [("branch 1", pytest.approx(50.0))]
+    aStent.ui.flowMeanSpinBox.value = 6.0
+    settle(host, aStent)
+    aStent.logic.savePlan(again, aStent._parameterNode)
+    flow = load_plan(again).flow
+    assert flow.bsa == 1.2
+    assert [(one.name, one.mean) for one in flow.inlets] == [("branch 1", pytest.approx(100.0))]
+
+
 def test_the_solver_of_waves_is_offered_where_it_is_missing_and_never_required(
     host, aStent, aPlanWithAWave, monkeypatch
 ):

@@ -26,6 +26,7 @@ _REMEDIES = (
     ("cycle", "cycle", " (--cycle T)"),
     ("unusual", "unusual_flow", " (--unusual-flow)"),
     ("names", "names", " (--names F)"),
+    ("root", "root", " (--root X Y Z)"),
     ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
     ("straighten", "straightening_fraction", " (--straighten F)"),
     ("foreshortening", "foreshortening", " (--foreshortening F)"),

@@ -24,6 +24,7 @@ from .moments import Moment as Moment
 from .network import Network as Network
 from .network import Outlets as Outlets
 from .network import State as State
+from .network import lost_to as lost_to
 from .network import steady as steady
 from .outlets import OTHERS as OTHERS
 from .outlets import SideClues as SideClues

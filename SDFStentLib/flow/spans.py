@@ -70,6 +70,20 @@ class Ways:
             self._known[key] = self._pieces(ends, before)
         return self._known[key]
 
+    def pieces_to(self, place: Points) -> tuple[Piece, ...]:
+        """The way that blood comes from an inlet to the place nearest to a point (3,)."""
+        ((last, stop),) = self._nearest(slice(None), place[None])
+        *way, _ = self._way(last, last)
+        whole = (Piece(one, 0.0, len(self._channels[one].points) - 1.0) for one in way)
+        return (*whole, Piece(last, 0.0, stop))
+
+    def direction_at(self, piece: Piece) -> Points:
+        """Where the channel leads (3,) at the end of a piece; unit length."""
+        line = self._channels[piece.block].points
+        number = min(int(piece.end), len(line) - 2)
+        step = line[number + 1] - line[number]
+        return np.asarray(step / np.linalg.norm(step))
+
     def _pieces(self, ends: Points, before: float) -> tuple[Piece, ...]:
         found = self._nearest(slice(None), ends)
         if self._is_behind(*found):

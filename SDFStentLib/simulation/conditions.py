@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -15,15 +15,15 @@ from ..flow import (
     FlowAnswer,
     Network,
     Outlets,
-    Piece,
     State,
     Wave,
     Ways,
     drop_over,
+    lost_to,
     steady,
 )
 from ..segment import Segment, SegmentFace
-from ..validation import Floats, Points
+from ..validation import Floats, InputError
 
 CGS_RESISTANCE = 1e-5
 """dyn s/cm^5 in one Pa s/m^3."""
@@ -34,9 +34,6 @@ LEAST_RESISTANCE = 1e-3
 
 CGS_PRESSURE = 10.0
 """dyn/cm^2 in one Pa."""
-
-_Way = Callable[[Points], Sequence[Piece]]
-"""From the root to a place (3,)."""
 
 
 class Outlet(NamedTuple):
@@ -70,8 +67,14 @@ class Conditions(NamedTuple):
     wave: Wave | None
     """Through the inlet."""
     outlets: tuple[Outlet, ...]
+    """Those with a negative flow are inlets, too."""
     wedge: float = 0.0
     """Pressure beyond the tree, dyn/cm^2, above which outlets resist; 0 where it is not known."""
+
+    @property
+    def entering(self) -> float:
+        """mL/s through all inlets, the mean."""
+        return self.inflow - sum(one.flow for one in self.outlets if one.flow < 0)
 
     @property
     def distal(self) -> float:
@@ -102,13 +105,18 @@ def conditions_of(
     before, after : Segment
         With ends of the same names.
     """
-    ways, root = Ways(channels), channels[0].points[0]
+    if answer.known.is_uneven:
+        raise InputError(
+            "inlets: expected one wave for all of them in 3D, got waves of their own; give flows "
+            "and one wave."
+        )
+    ways = Ways(channels)
+    is_plain = answer.networks[0].tree.is_plain
 
-    def way_to(place: Points) -> Sequence[Piece]:
-        return ways.pieces_along(np.array([root, place]))
+    def leaving(face: SegmentFace, solved: _Solved) -> float:
+        return _leaving(face, solved, ways, is_plain)
 
-    wave = answer.known.wave
-    flows, weights = (np.array([answer.known.mean]), np.ones(1)) if wave is None else wave.spread()
+    flows, weights = answer.known.spread()
     solved = [
         _Solved([steady(network, answer.outlets, PER_ML * q) for q in flows.tolist()], weights)
         for network in answer.networks
@@ -117,11 +125,17 @@ def conditions_of(
     if answer.known.has_pressures:
         network, outlets = answer.networks[0], answer.outlets
         resistances = {
-            face.name: _beyond(face, (network, outlets), solved[0], way_to)
+            face.name: _beyond(face, (network, outlets), solved[0], ways)
             for face in _outlets(before)
+            if leaving(face, solved[0]) > 0
         }
     first, second = (
-        _of_state(segment, one, way_to, resistances, answer)
+        _of_state(
+            segment,
+            {face.name: leaving(face, one) for face in segment.faces if face.kind != "wall"},
+            resistances,
+            answer,
+        )
         for segment, one in zip((before, after), solved, strict=True)
     )
     return first, second
@@ -129,19 +143,31 @@ def conditions_of(
 
 def _of_state(
     segment: Segment,
-    solved: _Solved,
-    way_to: _Way,
+    flows: dict[str, float],
     resistances: dict[str, float],
     answer: FlowAnswer,
 ) -> Conditions:
+    """By what leaves through the ends, mL/s."""
     (inlet,) = (face for face in segment.faces if face.kind == "inlet")
-    inflow = _flow_at(inlet, solved, way_to)
+    inflow = -flows[inlet.name]
+    if inflow <= 0 or max(flows.values()) <= 0:
+        raise InputError(
+            f"segment: expected blood to come in at its proximal end, got {-inflow:.3g} mL/s that "
+            "leave there; take an end of the vessel that is an inlet for its root",
+            "root",
+            end=".",
+        )
     wave = answer.known.wave
     found = []
-    widest = max(_outlets(segment), key=lambda face: face.area)
+    widest = max(
+        (face for face in _outlets(segment) if flows[face.name] > 0), key=lambda face: face.area
+    )
     for face in _outlets(segment):
-        flow = _flow_at(face, solved, way_to)
-        if resistances:
+        flow = flows[face.name]
+        # Another inlet, or one that has become one.
+        if flow <= 0:
+            found.append(Outlet(face.name, "flow", flow, flow))
+        elif face.name in resistances:
             found.append(Outlet(face.name, "resistance", resistances[face.name], flow))
         elif face.name == widest.name:
             found.append(Outlet(face.name, "pressure", 0.0, flow))
@@ -155,23 +181,27 @@ def _outlets(segment: Segment) -> list[SegmentFace]:
     return [face for face in segment.faces if face.kind == "outlet"]
 
 
-def _beyond(
-    face: SegmentFace, tree: tuple[Network, Outlets], solved: _Solved, way_to: _Way
-) -> float:
+def _beyond(face: SegmentFace, tree: tuple[Network, Outlets], solved: _Solved, ways: Ways) -> float:
     """Resistance of all that lies beyond a face, dyn s/cm^5: of the mean pressure there."""
     network, outlets = tree
-    pieces = way_to(face.center)
+    pieces = ways.pieces_to(face.center)
     flow = solved.mean([state.flow[pieces[-1].block] for state in solved.states])
     static = []
     for state in solved.states:
         total = state.inlet - drop_over(pieces, network, state.flow).recovered
+        # The way may begin at another inlet than the first one.
+        if pieces[0].block != network.tree.inlets[0]:
+            total -= float(lost_to(network, state.flow)[pieces[0].block])
         speed = float(state.flow[pieces[-1].block]) / (1e-6 * face.area)
         static.append(total - ADULT.density / 2 * speed**2)
     resistance = CGS_RESISTANCE * (solved.mean(static) - outlets.pressure) / flow
     return max(resistance, LEAST_RESISTANCE)
 
 
-def _flow_at(face: SegmentFace, solved: _Solved, way_to: _Way) -> float:
-    """The mean, mL/s."""
-    block = way_to(face.center)[-1].block
-    return solved.mean([state.flow[block] for state in solved.states]) / PER_ML
+def _leaving(face: SegmentFace, solved: _Solved, ways: Ways, is_plain: bool) -> float:
+    """What flows out of a segment there, the mean, mL/s."""
+    last = ways.pieces_to(face.center)[-1]
+    flow = solved.mean([state.flow[last.block] for state in solved.states]) / PER_ML
+    if is_plain:
+        return -flow if face.kind == "inlet" else flow
+    return flow if float(ways.direction_at(last) @ face.normal) >= 0 else -flow

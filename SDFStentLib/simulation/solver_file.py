@@ -109,7 +109,8 @@ def time_steps(conditions: Conditions, edge: float, radius: float, volume: float
 
 def _time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> Steps:
     wave = conditions.wave
-    flow = 1000 * (conditions.inflow if wave is None else max(map(abs, wave.flow)))
+    most = conditions.inflow if wave is None else max(map(abs, wave.flow))
+    flow = 1000 * most * (conditions.entering / conditions.inflow)
     fastest = 2 * flow / (math.pi * radius**2)
     length = COURANT * edge / fastest
     if wave is not None:
