@@ -149,12 +149,12 @@ def joined(points: Points, triangles: Triangles, given: Triangles | None = None)
     is_wall = ~_come_again(triangles)
     if twin is None:
         return Joined(triangles, None if is_wall.all() else is_wall, NOTHING, NOTHING)
-    is_wall &= ~_collapsed(twin[triangles])
+    is_wall &= ~(_collapsed(twin[triangles]) | _lie_alike(twin[triangles]))
     if not is_wall.any():
         return Joined(triangles, None, NOTHING, NOTHING)
     first = _first_of_joined(points, triangles[is_wall], twin)
     closed = first[triangles]
-    is_wall &= ~_lie_on_others(closed, twin)
+    is_wall &= ~_in_parts_on_others(closed, is_wall, twin)
     # The first point of the wall at each place; where walls touch there are more.
     at = np.full(len(points), -1, dtype=np.int64)
     wall = _used(closed[is_wall], len(points))[::-1]
@@ -210,19 +210,23 @@ def _mixed(numbers: Indices) -> NDArray[np.uint64]:
     return np.asarray(mixed ^ (mixed >> np.uint64(31)))
 
 
-def _lie_on_others(triangles: Triangles, twin: Indices) -> Flags:
-    """Triangles that lie on one before and are turned alike, and parts that do in any turn.
+def _lie_alike(corners: Triangles) -> Flags:
+    """Triangles that lie on one before and are turned alike.
 
-    Where two walls touch in faces these are turned against each other, and go on apart.
+    Where two walls touch in faces these are turned against each other, and both stay.
     """
-    corners = twin[triangles]
     least = corners.argmin(axis=1)[:, None]
-    found = _repeated(np.take_along_axis(corners, (least + np.arange(3)) % 3, axis=1))
-    in_any_turn = _repeated(np.sort(corners, axis=1))
-    part = connected(len(twin), triangles[:, :2].ravel(), triangles[:, 1:].ravel())[1]
-    part = part[triangles[:, 0]]
-    lies_wholly = np.bincount(part, ~in_any_turn) == 0
-    return np.asarray(found | lies_wholly[part])
+    return _repeated(np.take_along_axis(corners, (least + np.arange(3)) % 3, axis=1))
+
+
+def _in_parts_on_others(triangles: Triangles, is_wall: Flags, twin: Indices) -> Flags:
+    """Triangles of parts of the wall that lie wholly on others before, turned either way."""
+    again = np.ones(len(triangles), dtype=bool)
+    again[is_wall] = _repeated(np.sort(twin[triangles[is_wall]], axis=1))
+    wall = triangles[is_wall]
+    part = connected(len(twin), wall[:, :2].ravel(), wall[:, 1:].ravel())[1]
+    first_only = np.bincount(part[wall[:, 0]], ~again[is_wall], len(twin))
+    return np.asarray(first_only[part[triangles[:, 0]]] == 0)
 
 
 def _repeated(rows: Indices) -> Flags:
