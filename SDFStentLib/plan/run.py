@@ -82,6 +82,8 @@ def flow_answer(
 ) -> FlowAnswer:
     """Pressures and flows before treatment and after it, over its stents and the lesions.
 
+    Where there are none, over the whole way to the farthest end.
+
     A wave is solved by `svzerod` where that is installed. `DeploymentError` where that fails.
     """
     assert vessel.centerline is not None
@@ -94,7 +96,17 @@ def flow_answer(
         if lesion.reference_diameter >= SMALL_VESSEL:
             name, before = f"lesion {number}, {lesion.branch_name}", lesion.reference_diameter
             parts.append(Part(name, lesion.line.points, before))
+    parts = parts or [_whole_way(vessel)]
     return model.answer(after, parts, solved_by_svzerod if has_svzerod() else None)
+
+
+def _whole_way(vessel: Vessel) -> Part:
+    """From the inlet to the end that is farthest from it."""
+    tree = vessel.centerline
+    assert tree is not None
+    end = max(tree.leaves, key=lambda leaf: tree.arc_length[leaf])
+    way = f"{tree.arc_length[end]:.0f} mm of vessel from the inlet to the farthest end"
+    return Part(way, tree.points[tree.ancestry(end)])
 
 
 @dataclass(frozen=True)
