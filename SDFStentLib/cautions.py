@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from .units import in_file
-from .validation import InputError, Place
+from .validation import InputError, Place, PlainNumbers
 
 _BESIDE = (
     "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
@@ -253,27 +253,11 @@ TEMPLATES = {
 placed, and the remedies, which are empty where who reads has none."""
 
 GRAVEST = (
-    "unusual-size",
-    "unusual-extent",
-    "unit-in-file",
-    "partly-outside",
-    "jagged-line",
-    "changed-input",
-    "outside-without-effect",
-    "hangs-free",
-    "without-effect",
-    "too-coarse",
-    "facets-inside",
-    "lesion-uncovered",
-    "shortened",
-    "narrower",
-    "narrowed",
-    "overdilated",
-    "neighbor-narrowed",
-    "tight-bend",
-    "cap-bulged",
-    "new-slivers",
-)
+    "unusual-size", "unusual-extent", "unit-in-file", "partly-outside", "jagged-line",
+    "changed-input", "outside-without-effect", "hangs-free", "without-effect", "too-coarse",
+    "facets-inside", "lesion-uncovered", "shortened", "narrower", "narrowed", "overdilated",
+    "neighbor-narrowed", "tight-bend", "cap-bulged", "new-slivers",
+)  # fmt: skip
 """Kinds that come first where not all are told; others follow as they came."""
 
 NO_REMEDIES = {"to": "", "straighten": "", "units": "", "cycle": ""}
@@ -330,7 +314,9 @@ class Caution:
         x, y, z = self.place or (None, None, None)
         words = {**NO_REMEDIES, **(remedies or {}), "thing": thing, "x": x, "y": y, "z": z}
         words["filed"] = in_file(self.place, units)
-        return self.label + TEMPLATES[self.kind].format_map({**words, **self.numbers})
+        return self.label + PlainNumbers().vformat(
+            TEMPLATES[self.kind], (), {**words, **self.numbers}
+        )
 
     __str__ = sentence
 

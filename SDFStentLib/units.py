@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from .validation import InputError, Place, Points
+from .validation import InputError, Place, Points, coordinates
 
 Frame = Literal["RAS", "LPS"]
 """Patient frames: RAS (x to the right) as Slicer has it in memory, LPS as it writes files."""
@@ -48,13 +48,12 @@ def flipped(points: Points) -> Points:
 
 def told_place(place: Place, units: str) -> str:
     """A place to a tenth of a millimeter, and in the unit of the file where that is another."""
-    x, y, z = place
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm{in_file(place, units)}"
+    return f"{coordinates(place, '.1f')} mm{in_file(place, units)}"
 
 
 def in_file(place: Place | None, units: str) -> str:
     """A place in mm in the unit of the file, to stand behind that in mm; empty where that is it."""
     if place is None or units == "mm":
         return ""
-    numbers = ", ".join(f"{value / MILLIMETERS[units]:.4g}" for value in place)
-    return f" (in the file {numbers} {units})"
+    numbers = coordinates([value / MILLIMETERS[units] for value in place])
+    return f" (in the file {numbers[1:-1]} {units})"

@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
+from string import Formatter
 from typing import Any
 
 import numpy as np
@@ -152,10 +153,33 @@ def as_place(point: ArrayLike) -> Place:
     return x, y, z
 
 
+def plain(value: float, spec: str) -> str:
+    """A number by a format, without an exponent, and zero without a sign.
+
+    What rounding leaves of a zero is one: below a millionth it is told as 0.
+    """
+    text = format(value, spec)
+    if "e" in text:
+        text = f"{float(text):.6f}".rstrip("0").rstrip(".")
+    return text.removeprefix("-") if not text.strip("-0.") else text
+
+
+class PlainNumbers(Formatter):
+    """Fills templates with `plain` numbers."""
+
+    def format_field(self, value: Any, spec: str) -> str:
+        """A field of a template."""
+        return plain(value, spec) if isinstance(value, float) else format(value, spec)
+
+
+def coordinates(point: ArrayLike, spec: str = ".4g") -> str:
+    """A point (3,) as sentences tell it, without a unit."""
+    return "(" + ", ".join(plain(value, spec) for value in as_place(point)) + ")"
+
+
 def place_words(point: ArrayLike) -> str:
     """A point (3,) in mm, as sentences tell it."""
-    x, y, z = as_place(point)
-    return f"({x:.4g}, {y:.4g}, {z:.4g}) mm"
+    return f"{coordinates(point)} mm"
 
 
 def as_triangles(values: ArrayLike, point_count: int, name: str = "triangles") -> Triangles:

@@ -13,7 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..geometry import nearest_distances, norm, search_tree
-from ..validation import Flags, Floats, Indices, InputError, Points, as_point, as_points
+from ..validation import (
+    Flags,
+    Floats,
+    Indices,
+    InputError,
+    Points,
+    as_point,
+    as_points,
+    coordinates,
+)
 from .chains import thinned
 from .line_graph import LineGraph, near_pairs, reach_of, welded
 from .overlaps import OVERLAP_EXTENT, OVERLAP_FRACTION, merged_overlaps
@@ -131,7 +140,7 @@ def _refuse_gap(graph: LineGraph, labels: Indices, reach: Floats) -> None:
     place = (graph.points[here] + graph.points[there]) / 2
     raise InputError(
         f"centerline: expected connected lines, got {labels.max() + 1} pieces with a gap of "
-        f"{distances[closest]:.3g} mm at ({place[0]:.4g}, {place[1]:.4g}, {place[2]:.4g}), wider "
+        f"{distances[closest]:.3g} mm at {coordinates(place)}, wider "
         f"than the {max(reach[here], reach[there]):.3g} mm that are bridged there; connect the "
         "lines or give one piece only."
     )

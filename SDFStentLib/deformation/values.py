@@ -21,7 +21,7 @@ from ..geometry import (
     signed_volume,
 )
 from ..units import told_place
-from ..validation import DeploymentError, Points, Triangles, as_length, as_place, as_points
+from ..validation import DeploymentError, Points, Triangles, as_length, as_place, as_points, plain
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .stent_checks import Expected, lumen_check
 from .untangle import Relief
@@ -209,6 +209,6 @@ def away_from_wall(task: DeploymentTask) -> DeploymentError:
     return DeploymentError(
         f"stent: expected points of the wall within {reach:.1f} mm of the stent axis, got none; "
         f"the wall is {found.distance[nearest]:.1f} mm away near {place}, but its triangles have "
-        f"sides of {longest:.3g} mm there: refine the surface near the stent to edges of at most "
-        f"{FINE * task.radius:.2g} mm."
+        f"sides of {plain(longest, '.3g')} mm there: refine the surface near the stent to edges of "
+        f"at most {FINE * task.radius:.2g} mm."
     )

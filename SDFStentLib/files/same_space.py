@@ -25,7 +25,7 @@ _NEARLY_ALL = 0.95
 _SMALLEST_PART = 0.2
 _SMALLEST_EXTENT, _LARGEST_EXTENT = 20.0, 2000.0  # mm, of a vessel model
 _SMALLEST_LUMEN, _LARGEST_LUMEN = 2.0, 100.0  # mm, diameter; an aorta in cm has 1.7
-
+_NO_VOLUME = 1e-9  # share of area times extent; rounding leaves so much of nothing
 
 _LOOKS = 15  # places of the line at which it is looked round
 _AROUND, _CANCELS = 3.0, 0.4  # times the nearest; half a sphere of directions leaves 0.5
@@ -130,7 +130,9 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Cauti
     lumen = None
     if surface.topology.is_closed:
         area = float(surface.face_areas.sum())
-        lumen = 4 * abs(signed_volume(points, triangles)) / area if area > 0 else 0.0
+        volume = abs(signed_volume(points, surface.wound_triangles))
+        # What holds nothing, such as a sheet that is there twice, has no width.
+        lumen = 4 * volume / area if volume > _NO_VOLUME * area * extent else None
     is_odd = not _SMALLEST_EXTENT <= extent <= _LARGEST_EXTENT
     if lumen is not None:
         is_odd = is_odd or not _SMALLEST_LUMEN <= lumen <= _LARGEST_LUMEN

@@ -12,7 +12,7 @@ from ..geometry import Line
 from ..lumen import DiameterProfile
 from ..treatment import TreatedStent, prescribed_diameters
 from ..units import MILLIMETERS
-from ..validation import Floats, Points
+from ..validation import Floats, Points, coordinates
 from .facts import BEYOND, MINIMUM
 from .lesions import covered_words, lesion_rows
 from .markup import paragraph, table
@@ -68,7 +68,7 @@ def diameter_section(line: MeasuredLine) -> dict[str, Any]:
 
 def filed_point(point: Points, units: str) -> str:
     """A point, mm, as a file in that unit has it."""
-    return "(" + ", ".join(f"{value / MILLIMETERS[units]:.4g}" for value in point) + ")"
+    return coordinates(point / MILLIMETERS[units])
 
 
 def _cell(value: float) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..treatment import Residual, TreatedLesion
 from ..units import MILLIMETERS
+from ..validation import coordinates
 from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
 from .facts import LINE_LOST, residual_fact, stenosis_fact
 from .markup import heading, paragraph, table
@@ -83,11 +84,11 @@ def residual_section(residual: Residual | None) -> dict[str, Any] | None:
 
 def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[str, str]:
     """A lesion in two sentences: what it is, and what it is measured against."""
-    place = ", ".join(f"{value:.4g}" for value in _filed(lesion.point, units))
+    place = coordinates(_filed(lesion.point, units))
     return (
         f"Lesion {number}: {degrees_text(lesion.percent_diameter, lesion.percent_area)}; "
         f"{lesion.branch_name}, "
-        f"{lesion.arc_length:.1f} mm from the proximal end, at ({place}) {units}; "
+        f"{lesion.arc_length:.1f} mm from the proximal end, at {place} {units}; "
         f"{lesion.length:.1f} mm long; minimum {lesion.minimum_diameter:.2f} mm against "
         f"{lesion.reference_diameter:.2f} mm.",
         f"Reference: {lesion.reference}.",

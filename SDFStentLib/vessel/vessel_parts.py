@@ -10,7 +10,7 @@ import numpy as np
 from ..centerline import Centerline, Location
 from ..geometry import NamedFaces, Surface, oriented_triangles
 from ..units import in_file
-from ..validation import Indices, Points
+from ..validation import Indices, Points, as_place, place_words
 from .branch_names import branch_names, faces_at_ends
 from .tree_around import branch_of
 from .vessel_ends import vessel_ends
@@ -45,10 +45,10 @@ class VesselParts(NamedTuple):
         """A point (3,) in words: where it is, and how far along which branch."""
         place = self.tree.project(point)
         branch = branch_of(self.tree, place)
-        x, y, z = point.tolist()
+        place_mm = as_place(point)
         along = place.arc_length - self.tree.arc_length[self.tree.branches[branch][0]]
         return (
-            f"({x:.4g}, {y:.4g}, {z:.4g}) mm{in_file((x, y, z), self.units)}, {along:.1f} mm along "
+            f"{place_words(point)}{in_file(place_mm, self.units)}, {along:.1f} mm along "
             f"{self.branch_names[branch]}"
         )
 
