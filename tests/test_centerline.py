@@ -184,7 +184,9 @@ def test_lines_that_begin_at_places_of_one_inlet_cross_and_begin_there(seed, bac
 def test_pieces_too_far_apart_are_refused_with_gap_and_place():
     wide, long = fork_lines()
     points, lines = stacked([wide[:36], long[46:]])
-    message = r"got 2 pieces with a gap of 10\.2 mm at \(-2.143, .* the 5 mm that are bridged there"
+    message = (
+        r"got 2 pieces with a gap of 10\.2 mm at \(-2.143, .* the 10 mm that are bridged there"
+    )
     with pytest.raises(InputError, match=message):
         Centerline.from_lines(points, lines, fork_radius(points))
 

@@ -183,7 +183,7 @@ def test_points_outside_of_the_lumen_are_refused_and_those_inside_are_taken(data
     line = vessel.centerline
     rng = np.random.default_rng(7)
     tried = {True: 0, False: 0}
-    for index in rng.choice(len(line.points), 25):
+    for index in rng.choice(len(line.points), 40):
         shift = rng.normal(size=3)
         radius = line.inscribed_radius[index]
         point = line.points[index] + rng.uniform(0.9, 1.9) * radius * shift / np.linalg.norm(shift)

@@ -96,7 +96,7 @@ One picture does not tell vessels apart of which one lies behind the other, unti
 
 @pytest.mark.parametrize("grow", [branched, sideBySide])
 def test_a_handle_stays_on_the_vessel_that_the_hand_follows(host, aScene, grow):
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(1)
     tree = grow(rng)
     offs = [drag(rng, tree) for _ in range(DRAGS)]
     assert max(np.count_nonzero(off > ASIDE) for off in offs) * STEP < MOST_ASTRAY

@@ -1,6 +1,7 @@
 """One tree of a vessel from any lines that a file may hold, and which vessel goes on where."""
 
 from .branch_lumen import BranchLumen as BranchLumen
+from .branch_lumen import station_spacing as station_spacing
 from .centerline import Centerline as Centerline
 from .jagged import JAGGED as JAGGED
 from .jagged import zigzag as zigzag
@@ -11,5 +12,7 @@ from .path import CenterlinePath as CenterlinePath
 from .path import JunctionChoice as JunctionChoice
 from .path import Location as Location
 from .point_tree import points_between as points_between
+from .root import WIDER as WIDER
+from .root import Widths as Widths
 from .stretches import Stretch as Stretch
 from .stretches import joined_lumens as joined_lumens

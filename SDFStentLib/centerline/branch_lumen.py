@@ -22,10 +22,6 @@ UNKNOWN_RADIUS = 2.0
 """Where a centerline tells no radius, stations are as far apart as in such a branch, mm."""
 
 
-UNKNOWN_EXTENT = 1e-2
-"""Fraction of the bounding box's diagonal that stands for a radius that the file does not tell."""
-
-
 class BranchLumen(NamedTuple):
     """Stations along one branch, from the root's side on."""
 
@@ -55,16 +51,14 @@ def told_lumens(
 ) -> tuple[BranchLumen, ...]:
     """The stations along all branches that have a length, as wide as the tree's points tell."""
     joined, found = _joined_nodes(branches, arc_length), []
-    unknown = UNKNOWN_EXTENT * float(np.linalg.norm(np.ptp(tree.points, axis=0)))
     for number, branch in enumerate(branches):
         nodes = int(joined[branch[0]]), int(joined[branch[-1]])
         if nodes[0] == nodes[1]:
             continue
         radius, at = tree.inscribed_radius[branch], arc_length[branch]
-        line = Line(tree.points[branch]).resampled(_spacing(radius))
+        line = Line(tree.points[branch]).resampled(station_spacing(radius))
         along = np.linspace(0.0, at[-1] - at[0], len(line))
-        there = np.interp(along, at - at[0], radius)
-        diameter = 2 * np.where(np.isfinite(there), there, unknown)
+        diameter = 2 * np.interp(along, at - at[0], radius)
         found.append(BranchLumen(number, nodes, float(at[0]), line, along, diameter, line.points))
     return tuple(found)
 
@@ -90,7 +84,8 @@ def _joined_nodes(branches: Sequence[Indices], arc_length: Floats) -> Indices:
     return joined
 
 
-def _spacing(radius: Floats) -> float:
+def station_spacing(radius: Floats) -> float:
+    """Distance of stations along a lumen of these radii (n,), NaN: unknown, mm."""
     known = radius[np.isfinite(radius)]
     spacing = (float(np.median(known)) if len(known) else UNKNOWN_RADIUS) / 2
     return min(max(spacing, FINEST), COARSEST)

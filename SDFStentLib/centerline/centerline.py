@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,9 +24,11 @@ from .branch_lumen import BranchLumen, branch_of_points, told_lumens
 from .from_lines import tree_from_lines
 from .path import CenterlinePath, JunctionChoice, Location
 from .point_tree import (
+    NO_LOOPS,
     NeighborTable,
     PointTree,
     ancestry_of,
+    as_loops,
     as_parents,
     as_radii,
     branches_of,
@@ -38,6 +40,7 @@ from .point_tree import (
     run_starts,
     sums_to_root,
 )
+from .root import Widths
 from .vessel_lines import LumenPlace, VesselLines
 
 SAME_PLACE = 1e-9
@@ -57,6 +60,9 @@ class Centerline:
         and becomes NaN.
     parent : array_like of int, shape (n,)
         The next point towards the root, -1 at a root. Proximal is the root's side, always.
+    loops : array_like of int, shape (k, 2), optional
+        Where vessels that part meet again: the last point of one, an end of the tree, and the point
+        of the other at which it does.
 
     Raises
     ------
@@ -67,12 +73,14 @@ class Centerline:
     points: Points
     inscribed_radius: Floats
     parent: Indices
+    loops: Indices = field(default_factory=lambda: NO_LOOPS)
 
     def __post_init__(self) -> None:
         points = as_points(self.points, "centerline points", minimum=2)
         parent = as_parents(self.parent, len(points))
         object.__setattr__(self, "points", read_only(points))
         object.__setattr__(self, "parent", read_only(parent))
+        object.__setattr__(self, "loops", read_only(as_loops(self.loops, len(points))))
         radius = read_only(as_radii(self.inscribed_radius, len(points)))
         object.__setattr__(self, "inscribed_radius", radius)
 
@@ -85,18 +93,21 @@ class Centerline:
         *,
         inlet: ArrayLike | None = None,
         wall: ArrayLike | None = None,
+        widths: Widths | None = None,
     ) -> Centerline:
         """The tree of a centerline file's lines, whatever made it.
 
         Points that coincide are one. Lines within a tenth of the inscribed radius of each other are
-        one up to where they part. Pieces are joined across a gap smaller than the local radius.
-        Where no radius is known, the distance to the wall stands for it, and without a wall 0.1 %
-        and 1 % of the extent for these. A loop is opened where it is farthest from the root; what
-        then ends blind inside the sphere of its junction is dropped.
+        one up to where they part. Pieces are joined across a gap within a sphere. The order of
+        lines and points, and the direction of pieces, tell nothing.
+        Where some radii are unknown, those of the nearest points stand for them; where all are,
+        the distance to the wall does, and without a wall 0.1 % and 1 % of the extent for what is
+        one line and for a gap. A loop is opened where its limbs meet again; what ends blind inside
+        the sphere of its junction is dropped.
 
-        The root is the end nearest to `inlet`. Without that for polylines the end at which most
-        lines start or end; then the end wider than every other by a tenth; then by the order in the
-        file the point stored first if it is an end, for polylines an end where they start.
+        The root is the end nearest to `inlet`. Without that it is the end from which lines lead to
+        several others, all the way; then the widest end. Where one line has two ends that are as
+        wide, by a tenth, it is the one where the line begins.
 
         Parameters
         ----------
@@ -110,6 +121,8 @@ class Centerline:
             A point near the end that is the root, mm.
         wall : array_like, shape (m, 3), optional
             Points of the surface in which the lines lie, mm.
+        widths : callable, optional
+            Measures the vessel at its ends, see `Widths`. By default the radii tell.
 
         Raises
         ------
@@ -117,7 +130,10 @@ class Centerline:
             No line, a line through one place only, nothing but a closed loop, indices that do not
             exist, coordinates that are not finite, or pieces too far apart.
         """
-        return cls(*tree_from_lines(points, lines, inscribed_radius, inlet=inlet, wall=wall))
+        tree = tree_from_lines(
+            points, lines, inscribed_radius, inlet=inlet, wall=wall, widths=widths
+        )
+        return cls(*tree)
 
     @property
     def roots(self) -> Indices:
@@ -285,7 +301,7 @@ class Centerline:
     def resampled(self, spacing: float) -> Centerline:
         """Equal arc length of about `spacing` (mm) along every branch, whose ends stay."""
         spacing = as_number(spacing, "spacing", unit="mm", above=0)
-        tree = PointTree(self.points, self.inscribed_radius, self.parent)
+        tree = PointTree(self.points, self.inscribed_radius, self.parent, self.loops)
         return Centerline(*resampled_tree(tree, spacing))
 
     def with_points(self, new_points: ArrayLike) -> Centerline:

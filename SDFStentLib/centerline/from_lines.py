@@ -13,23 +13,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..geometry import nearest_distances, norm, search_tree
-from ..validation import (
-    Flags,
-    Floats,
-    Indices,
-    InputError,
-    Points,
-    as_point,
-    as_points,
-    coordinates,
-)
+from ..validation import Flags, Floats, Indices, InputError, Points, as_points, coordinates
 from .chains import thinned
-from .line_graph import LineGraph, near_pairs, reach_of, welded
+from .line_graph import WELD_EXTENT, LineGraph, near_pairs, reach_of, welded
+from .loops import opened_where_they_meet
 from .overlaps import OVERLAP_EXTENT, OVERLAP_FRACTION, merged_overlaps
-from .point_tree import PointTree, as_radii
+from .point_tree import PointTree, as_radii, sums_to_root
+from .root import LineEnds, Widths, ends_at, root_of
 
 GAP_FRACTION = 1.0
-"""Pieces are joined across a gap of up to this fraction of the local inscribed radius."""
+"""A spur is within its junction up to this fraction of the local inscribed radius."""
+
+JOINED_FRACTION = 2.0
+"""Pieces are joined across a gap of so many radii, the diameter of a sphere: without what lies
+in that of their junction, pieces of VMTK's lines are up to 1.0 radii of it apart."""
 
 GAP_EXTENT = 1e-2
 """The same as a fraction of the bounding box's diagonal where no radius is known."""
@@ -37,10 +34,6 @@ GAP_EXTENT = 1e-2
 DENSEST = 0.05
 """Mean spacing of points, over the distance at which lines are one, below which they are thinned:
 one in 200 of the radius. Files of VMTK and SimVascular have 0.5 and more."""
-
-WIDER = 1.1
-"""Times as wide as every other end from which the widest end is the root, whatever the order in
-which a file stores its lines; less may be the way in which ends are measured."""
 
 
 def tree_from_lines(
@@ -50,6 +43,7 @@ def tree_from_lines(
     *,
     inlet: ArrayLike | None = None,
     wall: ArrayLike | None = None,
+    widths: Widths | None = None,
 ) -> PointTree:
     """The tree that the lines describe; see `Centerline.from_lines`, which documents it.
 
@@ -64,17 +58,29 @@ def tree_from_lines(
     is_known = bool(np.isfinite(radius).any())
     if wall is not None and not is_known:
         radius = as_radii(nearest_distances(checked, as_points(wall, "wall")), len(checked))
+    checked, radius, index_lines = _in_order(checked, radius, index_lines)
     graph, line_ends = welded(checked, radius, index_lines)
-    end_points = graph.points[line_ends]
+    graph = graph._replace(radius=_filled(graph))
     two_point_cells = len(index_lines) > 1 and all(len(line) == 2 for line in index_lines)
+    ends = LineEnds(graph.points[line_ends], two_point_cells or len(index_lines) == 1)
     graph, line_ends = _thinned(graph, line_ends[:0] if two_point_cells else line_ends)
     graph = merged_overlaps(graph, line_ends)
     graph = _joined(graph)
-    root = _root(graph, end_points, inlet, two_point_cells)
-    if inlet is None and not two_point_cells:
-        root = _common_begin(graph, [checked[line] for line in index_lines], end_points, root)
-    tree = _rooted(graph, root, end_points)
+    tree = _rooted(graph, root_of(graph, ends, inlet, widths), ends.places)
     return tree if is_known else tree._replace(inscribed_radius=np.full(len(tree.points), np.nan))
+
+
+def _in_order(
+    points: Points, radius: Floats, lines: list[Indices]
+) -> tuple[Points, Floats, list[Indices]]:
+    """The same lines with their points in an order of their own, which no file decides.
+
+    All that follows goes by the numbers of points where nothing else tells two of them apart.
+    """
+    order = np.lexsort((radius, *points.T))
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return points[order], radius[order], [rank[line] for line in lines]
 
 
 def _as_lines(lines: Sequence[ArrayLike], point_count: int) -> list[Indices]:
@@ -102,14 +108,23 @@ def _as_lines(lines: Sequence[ArrayLike], point_count: int) -> list[Indices]:
     return index_lines
 
 
+def _filled(graph: LineGraph) -> Floats:
+    """The radii (n,), those of the nearest points that have one where a file has none."""
+    known = np.isfinite(graph.radius)
+    if known.all() or not known.any():
+        return graph.radius
+    nearest = search_tree(graph.points[known]).query(graph.points)[1]
+    return graph.radius[known][nearest]
+
+
 def _joined(graph: LineGraph) -> LineGraph:
-    """One connected graph: gaps below the local radius are bridged, shortest first."""
+    """One connected graph: gaps within a sphere are bridged, shortest first."""
     from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 
     labels = graph.component_labels()
     if labels.max() == 0:
         return graph
-    reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
+    reach = reach_of(graph, JOINED_FRACTION, GAP_EXTENT)
     pairs = near_pairs(graph, reach, piece=labels)
     # Shortest bridge per pair of pieces, then the spanning tree over the pieces.
     pairs = pairs.selected(np.argsort(pairs.distances, kind="stable"))
@@ -146,73 +161,15 @@ def _refuse_gap(graph: LineGraph, labels: Indices, reach: Floats) -> None:
     )
 
 
-def _root(
-    graph: LineGraph, line_ends: Floats, inlet: ArrayLike | None, two_point_cells: bool
-) -> int:
-    """The node where the tree starts; the rules are in `Centerline.from_lines`."""
-    leaves = np.flatnonzero(graph.degrees() == 1)
-    if not len(leaves):
-        place = ", ".join(f"{value:.4g}" for value in line_ends[0, 0])
-        raise InputError(
-            "centerline: expected a line with two ends, got a closed loop, which ends where it "
-            f"begins, at ({place}); take a part of it."
-        )
-    if inlet is not None:
-        distances = np.linalg.norm(graph.points[leaves] - as_point(inlet, "inlet"), axis=1)
-        return int(leaves[distances.argmin()])
-    radius = np.nan_to_num(graph.radius[leaves], nan=0.0)
-    second = np.sort(radius)[-2] if len(radius) > 1 and radius.min() > 0 else np.inf
-    is_widest = radius > WIDER * second
-    if two_point_cells and leaves[0] == 0 and not is_widest.any():
-        return 0
-    starts = ends = np.zeros(len(leaves), dtype=np.int64)
-    if not two_point_cells:
-        starts = _lines_at(graph, leaves, line_ends[:, 0])
-        ends = _lines_at(graph, leaves, line_ends[:, 1])
-    # Most common end of lines, then one that is clearly the widest: both are the same for lines
-    # that are stored backward. Then rather the start of lines, then the widest, then the first.
-    order = np.lexsort((leaves, -radius, -starts, ~is_widest, -np.maximum(starts, ends)))
-    return int(leaves[order[0]])
-
-
-def _common_begin(graph: LineGraph, lines: Sequence[Points], line_ends: Floats, root: int) -> int:
-    """The node where more lines begin, or end, than at the root, and that no other line passes.
-
-    Lines that begin at places of one inlet cross before they are one, so that no end of the graph
-    may be left there.
-    """
-    reach = GAP_EXTENT * graph.extent()
-    sides = line_ends.transpose(1, 0, 2)
-    most = max(int((norm(ends - graph.points[root]) <= reach).sum()) for ends in sides)
-    for ends, others in zip(sides, sides[::-1], strict=True):
-        together = np.linalg.norm(ends[:, None] - ends, axis=2) <= reach
-        counts = together.sum(axis=1)
-        begins, count = together[int(counts.argmax())], int(counts.max())
-        if count <= most:
-            continue
-        middle = ends[begins].mean(axis=0)
-        passes = np.array([norm(line - middle).min() <= reach for line in lines]) & ~begins
-        passes |= norm(others - middle) <= reach
-        if not passes.any():
-            most, root = count, int(norm(graph.points - middle).argmin())
-    return root
-
-
-def _lines_at(graph: LineGraph, leaves: Indices, points: Points) -> Indices:
-    """How many of the points lie at each leaf, that is within its radius and nearest to it."""
-    from scipy.spatial import cKDTree
-
-    distances, nearest = cKDTree(graph.points[leaves]).query(points)
-    near = distances <= reach_of(graph, GAP_FRACTION, GAP_EXTENT)[leaves[nearest]]
-    return np.bincount(nearest[near], minlength=len(leaves))
-
-
 def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
-    """Shortest way from the root to every node; spurs that end where no line does are dropped."""
+    """Shortest way from the root to every node; spurs that end where no line does are dropped.
+
+    Where it divides the longest way comes first.
+    """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import depth_first_order, dijkstra
 
-    _, parent = dijkstra(graph.matrix(), directed=False, indices=root, return_predecessors=True)
+    away, parent = dijkstra(graph.matrix(), directed=False, indices=root, return_predecessors=True)
     parent = np.where(parent < 0, -1, parent).astype(np.int64)
     at_inlet = max(reach_of(graph, GAP_FRACTION, GAP_EXTENT)[root], GAP_EXTENT * graph.extent())
     at_root = np.linalg.norm(line_ends - graph.points[root], axis=2) <= at_inlet
@@ -220,13 +177,35 @@ def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
     meant = line_ends[~(at_root & ~at_root[:, ::-1])]
     is_inlet = norm(graph.points - graph.points[root]) <= at_inlet
     kept = _without_spurs(graph, parent, meant, is_inlet)
+    parent, loops = opened_where_they_meet(graph, parent, away, kept)
+    rank = _longest_first(graph, parent, kept)
     children = np.flatnonzero(kept & (parent >= 0))
     count = len(parent)
-    links = csr_matrix((np.ones(len(children)), (parent[children], children)), (count, count))
-    order = depth_first_order(links, root, return_predecessors=False).astype(np.int64)
+    ones, places = np.ones(len(children)), (rank[parent[children]], rank[children])
+    links = csr_matrix((ones, places), (count, count))
+    by_rank = np.argsort(rank)
+    order = by_rank[depth_first_order(links, rank[root], return_predecessors=False)]
     new_index = np.full(count + 1, -1, dtype=np.int64)
     new_index[order] = np.arange(len(order))
-    return PointTree(graph.points[order], graph.radius[order], new_index[parent[order]])
+    above = new_index[parent[order]]
+    return PointTree(graph.points[order], graph.radius[order], above, new_index[loops])
+
+
+def _longest_first(graph: LineGraph, parent: Indices, kept: Flags) -> Indices:
+    """A number for each node (n,), the lower the longer the way down from its parent through it.
+
+    Ways that differ by rounding are as long; then the order is that of the nodes.
+    """
+    steps = np.where(parent < 0, 0.0, norm(graph.points - graph.points[parent]))
+    away = sums_to_root(parent, steps)
+    farthest, above = np.where(kept, away, 0.0).tolist(), parent.tolist()
+    for node in np.argsort(-away, kind="stable").tolist():
+        if above[node] >= 0:
+            farthest[above[node]] = max(farthest[above[node]], farthest[node])
+    lengths = np.round(np.array(farthest) / (WELD_EXTENT * graph.extent()))
+    rank = np.empty_like(parent)
+    rank[np.argsort(-lengths, kind="stable")] = range(len(parent))
+    return rank
 
 
 def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats, is_inlet: Flags) -> Flags:
@@ -239,7 +218,7 @@ def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats, is_inlet: Fl
     steps = np.linalg.norm(graph.points - graph.points[parent], axis=1).tolist()
     above_of = parent.tolist()
     dead_ends = np.flatnonzero(child_count == 0)
-    is_meant = _lines_at(graph, dead_ends, ends) > 0
+    is_meant = ends_at(graph, dead_ends, ends.reshape(-1, 3)) > 0
     spurs = dead_ends[(graph.degrees()[dead_ends] > 1) | ~is_meant].tolist()
     if not spurs:
         return kept

@@ -153,8 +153,7 @@ def welded(points: Points, radius: Floats, lines: list[Indices]) -> tuple[LineGr
         )
     _, first = np.unique(node_of, return_index=True)
     node_radius = np.full(len(first), np.nan)
-    with_radius = np.flatnonzero(np.isfinite(radius[used]))[::-1]
-    node_radius[node_of[with_radius]] = radius[used][with_radius]
+    np.fmax.at(node_radius, node_of, radius[used])
     firsts = np.concatenate([[0], lasts[:-1] + 1])
     graph = LineGraph(points[used][first], node_radius, edges)
     return graph, np.column_stack([nodes[firsts], nodes[lasts]])

@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import Line, segment_count
+from ..geometry import Line, search_tree, segment_count
 from ..validation import Floats, Indices, InputError, Points
+
+NO_LOOPS: Indices = np.empty((0, 2), dtype=np.int64)
 
 
 class PointTree(NamedTuple):
@@ -17,6 +19,8 @@ class PointTree(NamedTuple):
     points: Points
     inscribed_radius: Floats
     parent: Indices
+    loops: Indices = NO_LOOPS
+    """(k, 2) points between which a line goes on that a tree has to leave out."""
 
 
 def as_radii(values: ArrayLike | None, count: int) -> Floats:
@@ -71,6 +75,18 @@ def as_parents(values: ArrayLike, count: int) -> Indices:
     if (parent < 0).all():
         raise InputError("centerline parents: expected connected points, got roots only.")
     return parent
+
+
+def as_loops(values: ArrayLike, count: int) -> Indices:
+    """Pairs of points between which lines close a loop; `InputError` unless they exist."""
+    loops = np.asarray(values)
+    is_fit = loops.ndim == 2 and loops.shape[1:] == (2,) and loops.dtype.kind in "iu"
+    if not is_fit or (loops.size and not 0 <= loops.min() <= loops.max() < count):
+        raise InputError(
+            f"centerline loops: expected pairs of point indices from 0 to {count - 1}, "
+            f"got {loops.dtype} {loops.shape}."
+        )
+    return loops.astype(np.int64)
 
 
 def sums_to_root(parent: Indices, values: Floats) -> Floats:
@@ -188,7 +204,9 @@ def resampled_tree(tree: PointTree, spacing: float) -> PointTree:
         parent.append(chain[:-1])
         parent[0][number[int(path[-1])]] = chain[-1]
         count += len(at)
-    return PointTree(np.concatenate(points), np.concatenate(radius), np.concatenate(parent))
+    every = np.concatenate(points)
+    loops = search_tree(every).query(tree.points[tree.loops.ravel()])[1].reshape(-1, 2)
+    return PointTree(every, np.concatenate(radius), np.concatenate(parent), loops)
 
 
 def _roots(parent: Indices) -> Indices:

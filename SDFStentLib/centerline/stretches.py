@@ -20,6 +20,10 @@ SAME_LUMEN = 0.5
 """Radii of a sphere from its center, across its vessel, within which a sphere of the same lumen has
 its own: those of two vessels draw apart where one lumen becomes two."""
 
+UNKNOWN_EXTENT = 1e-2
+"""Fraction of the bounding box's diagonal within which lines are in one lumen if nothing tells how
+wide it is."""
+
 _BESIDE = 0.6
 """Distances of stations along a lumen within which one of another line lies beside one of it."""
 
@@ -112,6 +116,8 @@ class _Joined:
         self._centers = np.concatenate([lumen.centers for lumen in lumens])
         self._ways = np.concatenate([lumen.line.directions for lumen in lumens])
         self._radii = self._columns[2] / 2
+        if not np.isfinite(self._radii).any():
+            self._radii[:] = UNKNOWN_EXTENT * np.linalg.norm(np.ptp(self._columns[0], axis=0))
         self._spacings = np.concatenate(
             [np.full(len(lumen.along), lumen.along[1] - lumen.along[0]) for lumen in lumens]
         )

@@ -94,11 +94,13 @@ class VesselLines:
         return alike[int(np.argmax(begins))], "widest"
 
     def _width_beyond(self, above: int, child: int) -> float:
-        """Mean diameter from one to three radii of a division beyond it, mm.
+        """Mean diameter from one to three radii of a division beyond it, mm; 0 where none is known.
 
         Nearer, the branches still share one sphere. A shorter one counts with its last station.
         """
         lumen = self._tree.lumens[child]
+        if np.isnan(lumen.diameter).all():
+            return 0.0
         away = (lumen.along - lumen.along[0]) / (self._tree.lumens[above].diameter[-1] / 2)
         beyond = (away >= 1.0) & (away <= 3.0)
         return float(lumen.diameter[beyond].mean() if beyond.any() else lumen.diameter[-1])

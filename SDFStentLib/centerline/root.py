@@ -1,0 +1,160 @@
+"""Where the tree of a file's lines begins: at one of its ends, whatever order the file has.
+
+Neither the order of lines and points nor the direction of pieces tells it, nor does one radius.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..geometry import Line, component_labels, norm
+from ..validation import Floats, Indices, InputError, Points, as_point
+from .line_graph import LineGraph, reach_of
+from .lumen_tree import USUAL
+
+WIDER = 1.1
+"""Times as wide as every other end from which the widest end is the root, whatever the direction
+in which a file stores its line; less may be the way in which ends are measured."""
+
+INLET_EXTENT = 1e-2
+"""Fraction of the bounding box's diagonal within which lines begin at one inlet."""
+
+_BEYOND = 4.0
+"""Times as far from there all of them go on in one direction, unless lines meet there."""
+
+Widths = Callable[[Sequence[Points]], Floats]
+"""How wide a vessel is at some of its ends, mm, by the lines (k, 3) that lead inward from there;
+NaN where it is not known."""
+
+
+class LineEnds(NamedTuple):
+    """Where the lines of a file begin and end, in its order and direction."""
+
+    places: Points
+    """(n, 2, 3) mm."""
+    tell_direction: bool
+    """Whether the lines run on into each other from one end: one line, or all its segments."""
+
+
+def root_of(
+    graph: LineGraph, ends: LineEnds, inlet: ArrayLike | None, widths: Widths | None
+) -> int:
+    """The node where the tree starts; the rules are in `Centerline.from_lines`."""
+    leaves = np.flatnonzero(graph.degrees() == 1)
+    if not len(leaves):
+        place = ", ".join(f"{value:.4g}" for value in ends.places[0, 0])
+        raise InputError(
+            "centerline: expected a line with two ends, got a closed loop, which ends where it "
+            f"begins, at ({place}); take a part of it."
+        )
+    if inlet is not None:
+        return int(leaves[norm(graph.points[leaves] - as_point(inlet, "inlet")).argmin()])
+    common = [] if ends.tell_direction else _common_ends(graph, ends.places, leaves)
+    if common:
+        return _widest(graph, ends, np.array(common), widths)
+    meant = leaves[ends_at(graph, leaves, ends.places.reshape(-1, 3)) > 0]
+    return _widest(graph, ends, meant if len(meant) else leaves, widths)
+
+
+def ends_at(graph: LineGraph, leaves: Indices, places: Points) -> Indices:
+    """How many ends of lines (n, 3) lie at each leaf: within its radius, and nearest to it."""
+    from scipy.spatial import cKDTree
+
+    distances, nearest = cKDTree(graph.points[leaves]).query(places)
+    near = distances <= reach_of(graph, 1.0, INLET_EXTENT)[leaves[nearest]]
+    return np.bincount(nearest[near], minlength=len(leaves))
+
+
+def _widest(graph: LineGraph, ends: LineEnds, nodes: Indices, widths: Widths | None) -> int:
+    """The widest end. Of those as wide that where the one line begins; else the very widest."""
+    if len(nodes) == 1:
+        return int(nodes[0])
+    table = graph.neighbors()
+    ways = [_way_in(graph, node, table.of) for node in nodes.tolist()]
+    if widths is None:
+        found = np.array([_usual(graph.radius[way]) for way in ways])
+    else:
+        found = np.nan_to_num(widths([graph.points[way] for way in ways]), nan=0.0)
+    as_wide = WIDER * found >= found.max()
+    if ends.tell_direction:
+        first, last = (ends_at(graph, nodes, ends.places[:, side]) for side in (0, 1))
+        begins = first > last
+        as_wide &= begins if begins.sum() == 1 and as_wide[begins].all() else True
+    return int(nodes[np.where(as_wide, found, -1.0).argmax()])
+
+
+def _usual(radius: Floats) -> float:
+    known = radius[np.isfinite(radius)]
+    return float(np.quantile(known, USUAL)) if len(known) else 0.0
+
+
+def _way_in(graph: LineGraph, node: int, neighbors: Callable[[int], list[int]]) -> Indices:
+    """The nodes from an end to the next junction, or half of those to another end."""
+    way = [node, neighbors(node)[0]]
+    # Ends: a way from an end comes to another one, or to a junction.
+    while len(onward := neighbors(way[-1])) == 2:
+        way.append(onward[onward[0] == way[-2]])
+    found = np.array(way, dtype=np.int64)
+    if len(onward) == 1:
+        line = Line(graph.points[found])
+        found = found[: max(2, int(np.searchsorted(line.arc_lengths, line.length / 2)) + 1)]
+    return found
+
+
+def _common_ends(graph: LineGraph, places: Points, leaves: Indices) -> list[int]:
+    """The end from which lines of the file lead to the most others, if to several; or such ends.
+
+    Lines that begin at places of one inlet may cross before they are one, so that no end of the
+    graph is left there: then all of them go on in one direction.
+    """
+    reach, most = INLET_EXTENT * graph.extent(), 2
+    found: list[int] = []
+    for count, own in _clusters(places, reach):
+        if count < most:
+            break
+        middle = own.mean(axis=0)
+        near = leaves[norm(graph.points[leaves] - middle) <= reach]
+        if len(near):
+            counts = ends_at(graph, near, own)
+            order = np.lexsort((norm(graph.points[near] - middle), -counts))
+            found.append(int(near[order[0]]))
+        elif _goes_one_way(graph, middle, reach):
+            found.append(int(norm(graph.points - middle).argmin()))
+        most = count if found else most
+    return sorted(found)
+
+
+def _clusters(places: Points, reach: float) -> Iterator[tuple[int, Points]]:
+    """Ends of lines (n, 2, 3) that lie together, and to how many other places lines lead from
+    there, the most first."""
+    from scipy.spatial import cKDTree
+
+    every = places.reshape(-1, 3)
+    pairs = cKDTree(every).query_pairs(reach, output_type="ndarray")
+    number = component_labels(len(every), pairs[:, 0], pairs[:, 1])
+    couples = np.sort(number.reshape(-1, 2), axis=1)
+    couples = np.unique(couples[couples[:, 0] != couples[:, 1]], axis=0)
+    counts = np.bincount(couples.ravel(), minlength=number.max() + 1)
+    for cluster in np.argsort(-counts, kind="stable").tolist():
+        yield int(counts[cluster]), every[number == cluster]
+
+
+def _goes_one_way(graph: LineGraph, middle: Points, reach: float) -> bool:
+    """Whether all that is connected with a place goes on from there in one direction, and no line
+    ends beside it."""
+    away = norm(graph.points - middle)
+    size = max(_BEYOND * reach, 2 * float(np.nan_to_num(graph.radius[away.argmin()])))
+    inner = away < size
+    within = graph.edges[inner[graph.edges].all(axis=1)]
+    label = component_labels(len(away), within[:, 0], within[:, 1])
+    is_there = inner & (label == label[away.argmin()])
+    if (graph.degrees()[is_there] == 1).any():
+        return False
+    leaving = is_there[graph.edges].any(axis=1) & ~inner[graph.edges].all(axis=1)
+    outer = np.where(inner[graph.edges[leaving]], -1, graph.edges[leaving]).max(axis=1)
+    ways = (graph.points[outer] - middle) / away[outer, None]
+    return bool((ways @ ways.T > 0).all())
