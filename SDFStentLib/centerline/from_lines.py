@@ -63,10 +63,13 @@ def tree_from_lines(
     graph = graph._replace(radius=_filled(graph))
     two_point_cells = len(index_lines) > 1 and all(len(line) == 2 for line in index_lines)
     ends = LineEnds(graph.points[line_ends], two_point_cells or len(index_lines) == 1)
+    tips = graph.points[graph.degrees() == 1]
     graph, line_ends = _thinned(graph, line_ends[:0] if two_point_cells else line_ends)
     graph = merged_overlaps(graph, line_ends)
-    graph = _joined(graph)
-    tree = _rooted(graph, root_of(graph, ends, inlet, widths), ends.places)
+    graph, bridges = _joined(graph)
+    if len(bridges):
+        tips = tips[nearest_distances(tips, bridges) > GAP_EXTENT * graph.extent()]
+    tree = _rooted(graph, root_of(graph, ends, tips, inlet, widths), tips)
     return tree if is_known else tree._replace(inscribed_radius=np.full(len(tree.points), np.nan))
 
 
@@ -117,13 +120,14 @@ def _filled(graph: LineGraph) -> Floats:
     return graph.radius[known][nearest]
 
 
-def _joined(graph: LineGraph) -> LineGraph:
-    """One connected graph: gaps within a sphere are bridged, shortest first."""
+def _joined(graph: LineGraph) -> tuple[LineGraph, Points]:
+    """One connected graph, and where it was joined: gaps within a sphere are bridged, shortest
+    first."""
     from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 
     labels = graph.component_labels()
     if labels.max() == 0:
-        return graph
+        return graph, graph.points[:0]
     reach = reach_of(graph, JOINED_FRACTION, GAP_EXTENT)
     pairs = near_pairs(graph, reach, piece=labels)
     # Shortest bridge per pair of pieces, then the spanning tree over the pieces.
@@ -140,7 +144,9 @@ def _joined(graph: LineGraph) -> LineGraph:
     if used.sum() < count - 1:
         groups = connected_components(weights, directed=False)[1]
         _refuse_gap(graph, groups[labels], reach)
-    return graph.bridged(pairs.selected(used))
+    pairs = pairs.selected(used)
+    feet, _ = graph.interpolated(pairs.segments, pairs.fractions)
+    return graph.bridged(pairs), np.concatenate([graph.points[pairs.nodes], feet])
 
 
 def _refuse_gap(graph: LineGraph, labels: Indices, reach: Floats) -> None:
@@ -161,7 +167,7 @@ def _refuse_gap(graph: LineGraph, labels: Indices, reach: Floats) -> None:
     )
 
 
-def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
+def _rooted(graph: LineGraph, root: int, tips: Points) -> PointTree:
     """Shortest way from the root to every node; spurs that end where no line does are dropped.
 
     Where it divides the longest way comes first.
@@ -172,12 +178,10 @@ def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
     away, parent = dijkstra(graph.matrix(), directed=False, indices=root, return_predecessors=True)
     parent = np.where(parent < 0, -1, parent).astype(np.int64)
     at_inlet = max(reach_of(graph, GAP_FRACTION, GAP_EXTENT)[root], GAP_EXTENT * graph.extent())
-    at_root = np.linalg.norm(line_ends - graph.points[root], axis=2) <= at_inlet
-    # But the ends at the root of lines that begin there.
-    meant = line_ends[~(at_root & ~at_root[:, ::-1])]
     is_inlet = norm(graph.points - graph.points[root]) <= at_inlet
-    kept = _without_spurs(graph, parent, meant, is_inlet)
-    parent, loops = opened_where_they_meet(graph, parent, away, kept)
+    kept = _without_spurs(graph, parent, tips[norm(tips - graph.points[root]) > at_inlet], is_inlet)
+    reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
+    parent, loops = opened_where_they_meet(graph, parent, away, kept, reach)
     rank = _longest_first(graph, parent, kept)
     children = np.flatnonzero(kept & (parent >= 0))
     count = len(parent)
@@ -208,7 +212,7 @@ def _longest_first(graph: LineGraph, parent: Indices, kept: Flags) -> Indices:
     return rank
 
 
-def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats, is_inlet: Flags) -> Flags:
+def _without_spurs(graph: LineGraph, parent: Indices, tips: Points, is_inlet: Flags) -> Flags:
     """Which nodes stay: dead ends made by opening a loop, or by merging lines that part for a
     moment, go when inside their junction's sphere or at the inlet, where a cap leaves no sphere, or
     all along beside another line, in a lumen that is told by it."""
@@ -218,7 +222,7 @@ def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats, is_inlet: Fl
     steps = np.linalg.norm(graph.points - graph.points[parent], axis=1).tolist()
     above_of = parent.tolist()
     dead_ends = np.flatnonzero(child_count == 0)
-    is_meant = ends_at(graph, dead_ends, ends.reshape(-1, 3)) > 0
+    is_meant = ends_at(graph, dead_ends, tips) > 0
     spurs = dead_ends[(graph.degrees()[dead_ends] > 1) | ~is_meant].tolist()
     if not spurs:
         return kept

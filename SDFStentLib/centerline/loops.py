@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry import nearest_distances
 from ..validation import Flags, Floats, Indices
 from .line_graph import LineGraph
+from .point_tree import ancestry_of
 
 
 def opened_where_they_meet(
-    graph: LineGraph, parent: Indices, away: Floats, kept: Flags
+    graph: LineGraph, parent: Indices, away: Floats, kept: Flags, reach: Floats
 ) -> tuple[Indices, Indices]:
     """The tree whose loops are opened where a limb meets the vessel again, and these places.
 
@@ -25,6 +27,8 @@ def opened_where_they_meet(
         Length of that way, mm.
     kept : (n,) array of bool
         Nodes of the tree.
+    reach : (n,) array
+        Lines that stay so near to each other lie in one lumen: they are no loop, mm.
 
     Returns
     -------
@@ -42,9 +46,22 @@ def opened_where_they_meet(
         # The limb begins at the junction that is nearer to the root.
         near, far = sorted((0, 1), key=lambda side: float(away[ups[side][-1]]))
         chain = [step[near], *ups[far]]
-        parent[chain[1:-1]] = chain[:-2]
-        found.append((chain[-2], chain[-1]))
+        limb = np.array([*ups[near][::-1], *ups[far][:-1]])
+        other_limb = np.setdiff1d(_cycle(parent, step), limb[1:])
+        places = np.vstack([graph.points[limb], graph.points[list(step)].mean(axis=0)])
+        apart = nearest_distances(places, graph.points[other_limb])
+        if (apart > np.r_[reach[limb], reach[list(step)].max()]).any():
+            parent[chain[1:-1]] = chain[:-2]
+            found.append((chain[-2], chain[-1]))
     return parent, np.array(sorted(found), dtype=np.int64).reshape(-1, 2)
+
+
+def _cycle(parent: Indices, step: tuple[int, int]) -> Indices:
+    """The nodes of the loop that a step closes, that where the two ways part included."""
+    one, other = (ancestry_of(parent, node) for node in step)
+    count = min(len(one), len(other))
+    shared = int(np.sum(one[:count] == other[:count]))
+    return np.r_[one[shared - 1 :], other[shared:]]
 
 
 def _up_to_junction(parent: Indices, degrees: Indices, node: int) -> list[int]:

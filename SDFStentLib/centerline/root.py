@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import Line, component_labels, norm
-from ..validation import Floats, Indices, InputError, Points, as_point
+from ..geometry import Line, component_labels, nearest_distances, norm
+from ..validation import Flags, Floats, Indices, InputError, Points, as_point
 from .line_graph import LineGraph, reach_of
 from .lumen_tree import USUAL
 
@@ -24,7 +24,11 @@ INLET_EXTENT = 1e-2
 """Fraction of the bounding box's diagonal within which lines begin at one inlet."""
 
 _BEYOND = 4.0
-"""Times as far from there all of them go on in one direction, unless lines meet there."""
+"""Times as far from there all of them are still in one lumen, unless lines meet there."""
+
+_FAR = 4.0
+"""Radii from an end within which it is told how wide the vessel is there, also past places where
+lines part."""
 
 Widths = Callable[[Sequence[Points]], Floats]
 """How wide a vessel is at some of its ends, mm, by the lines (k, 3) that lead inward from there;
@@ -41,9 +45,12 @@ class LineEnds(NamedTuple):
 
 
 def root_of(
-    graph: LineGraph, ends: LineEnds, inlet: ArrayLike | None, widths: Widths | None
+    graph: LineGraph, ends: LineEnds, tips: Points, inlet: ArrayLike | None, widths: Widths | None
 ) -> int:
-    """The node where the tree starts; the rules are in `Centerline.from_lines`."""
+    """The node where the tree starts; the rules are in `Centerline.from_lines`.
+
+    `tips` (t, 3) are the places at which lines end and no other goes on.
+    """
     leaves = np.flatnonzero(graph.degrees() == 1)
     if not len(leaves):
         place = ", ".join(f"{value:.4g}" for value in ends.places[0, 0])
@@ -53,11 +60,10 @@ def root_of(
         )
     if inlet is not None:
         return int(leaves[norm(graph.points[leaves] - as_point(inlet, "inlet")).argmin()])
+    is_tip = (ends_at(graph, leaves, tips) > 0) | _leave_their_junction(graph, leaves)
+    leaves = leaves[is_tip] if is_tip.any() else leaves
     common = [] if ends.tell_direction else _common_ends(graph, ends.places, leaves)
-    if common:
-        return _widest(graph, ends, np.array(common), widths)
-    meant = leaves[ends_at(graph, leaves, ends.places.reshape(-1, 3)) > 0]
-    return _widest(graph, ends, meant if len(meant) else leaves, widths)
+    return _widest(graph, ends, np.array(common) if common else leaves, widths)
 
 
 def ends_at(graph: LineGraph, leaves: Indices, places: Points) -> Indices:
@@ -73,8 +79,7 @@ def _widest(graph: LineGraph, ends: LineEnds, nodes: Indices, widths: Widths | N
     """The widest end. Of those as wide that where the one line begins; else the very widest."""
     if len(nodes) == 1:
         return int(nodes[0])
-    table = graph.neighbors()
-    ways = [_way_in(graph, node, table.of) for node in nodes.tolist()]
+    ways = _lumens_in(graph, nodes)
     if widths is None:
         found = np.array([_usual(graph.radius[way]) for way in ways])
     else:
@@ -92,24 +97,56 @@ def _usual(radius: Floats) -> float:
     return float(np.quantile(known, USUAL)) if len(known) else 0.0
 
 
-def _way_in(graph: LineGraph, node: int, neighbors: Callable[[int], list[int]]) -> Indices:
-    """The nodes from an end to the next junction, or half of those to another end."""
-    way = [node, neighbors(node)[0]]
+def _way_in(
+    graph: LineGraph,
+    node: int,
+    neighbors: Callable[[int], list[int]],
+    first: int | None = None,
+) -> Indices:
+    """The nodes from one to the next junction, or half of those from an end to another one."""
+    way = [node, neighbors(node)[0] if first is None else first]
     # Ends: a way from an end comes to another one, or to a junction.
     while len(onward := neighbors(way[-1])) == 2:
         way.append(onward[onward[0] == way[-2]])
     found = np.array(way, dtype=np.int64)
-    if len(onward) == 1:
+    if len(onward) == 1 and first is None:
         line = Line(graph.points[found])
         found = found[: max(2, int(np.searchsorted(line.arc_lengths, line.length / 2)) + 1)]
     return found
+
+
+def _lumens_in(graph: LineGraph, nodes: Indices) -> list[Indices]:
+    """The ways in from ends, each as far as it leads in one lumen: lines may part before that."""
+    table, reach = graph.neighbors(), reach_of(graph, 1.0, INLET_EXTENT)
+    found = []
+    for node in nodes.tolist():
+        way = _way_in(graph, node, table.of)
+        # Ends: a step farther every time, and no node twice.
+        while (onward := [k for k in table.of(int(way[-1])) if k not in way]) and (
+            Line(graph.points[way]).length
+        ) < (far := _FAR * float(reach[way].max())):
+            ahead = graph.points[way[-1]] - graph.points[node]
+            step = graph.points[onward] - graph.points[way[-1]]
+            straight = onward[int((step @ ahead / norm(step)).argmax())]
+            way = np.r_[way, _way_in(graph, int(way[-1]), table.of, straight)[1:]]
+            at = Line(graph.points[way]).arc_lengths
+            way = way[: max(2, int(np.searchsorted(at, far)) + 1)]
+        found.append(way)
+    return found
+
+
+def _leave_their_junction(graph: LineGraph, leaves: Indices) -> Flags:
+    """Which ends (n,) of the graph lie outside of the sphere of the next junction."""
+    table, reach = graph.neighbors(), reach_of(graph, 1.0, INLET_EXTENT)
+    ways = [_way_in(graph, leaf, table.of) for leaf in leaves.tolist()]
+    return np.array([Line(graph.points[way]).length > reach[way[-1]] for way in ways])
 
 
 def _common_ends(graph: LineGraph, places: Points, leaves: Indices) -> list[int]:
     """The end from which lines of the file lead to the most others, if to several; or such ends.
 
     Lines that begin at places of one inlet may cross before they are one, so that no end of the
-    graph is left there: then all of them go on in one direction.
+    graph is left there: then all of them go on in one lumen.
     """
     reach, most = INLET_EXTENT * graph.extent(), 2
     found: list[int] = []
@@ -118,14 +155,24 @@ def _common_ends(graph: LineGraph, places: Points, leaves: Indices) -> list[int]
             break
         middle = own.mean(axis=0)
         near = leaves[norm(graph.points[leaves] - middle) <= reach]
-        if len(near):
-            counts = ends_at(graph, near, own)
+        at_leaf = _beside_leaves(graph, near, own)
+        if at_leaf.sum() > 1:
+            counts = ends_at(graph, near, own[at_leaf])
             order = np.lexsort((norm(graph.points[near] - middle), -counts))
             found.append(int(near[order[0]]))
         elif _goes_one_way(graph, middle, reach):
             found.append(int(norm(graph.points - middle).argmin()))
         most = count if found else most
     return sorted(found)
+
+
+def _beside_leaves(graph: LineGraph, leaves: Indices, places: Points) -> Flags:
+    """Which places (n,) are nearer to some ends of the graph than to where lines meet."""
+    if not len(leaves):
+        return np.zeros(len(places), dtype=bool)
+    meeting = graph.points[graph.degrees() > 2]
+    away = nearest_distances(places, graph.points[leaves])
+    return away < nearest_distances(places, meeting) if len(meeting) else away >= 0
 
 
 def _clusters(places: Points, reach: float) -> Iterator[tuple[int, Points]]:
@@ -144,10 +191,11 @@ def _clusters(places: Points, reach: float) -> Iterator[tuple[int, Points]]:
 
 
 def _goes_one_way(graph: LineGraph, middle: Points, reach: float) -> bool:
-    """Whether all that is connected with a place goes on from there in one direction, and no line
-    ends beside it."""
+    """Whether all that is connected with a place goes on from there in one lumen, and no line ends
+    beside it."""
     away = norm(graph.points - middle)
-    size = max(_BEYOND * reach, 2 * float(np.nan_to_num(graph.radius[away.argmin()])))
+    apart = max(reach, float(np.nan_to_num(graph.radius[away.argmin()])))
+    size = max(_BEYOND * reach, 2 * apart)
     inner = away < size
     within = graph.edges[inner[graph.edges].all(axis=1)]
     label = component_labels(len(away), within[:, 0], within[:, 1])
@@ -156,5 +204,5 @@ def _goes_one_way(graph: LineGraph, middle: Points, reach: float) -> bool:
         return False
     leaving = is_there[graph.edges].any(axis=1) & ~inner[graph.edges].all(axis=1)
     outer = np.where(inner[graph.edges[leaving]], -1, graph.edges[leaving]).max(axis=1)
-    ways = (graph.points[outer] - middle) / away[outer, None]
-    return bool((ways @ ways.T > 0).all())
+    places = size * (graph.points[outer] - middle) / away[outer, None]
+    return bool(len(places)) and bool((norm(places - places.mean(axis=0)) < apart).all())

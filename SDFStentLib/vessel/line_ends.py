@@ -1,0 +1,188 @@
+"""How wide a vessel is where its lines end, and lines that begin at its wall put into its middle.
+
+What a network extraction traces from one hole, or a hand draws from a rim, reaches the middle of
+the vessel only farther on. Measured along itself such a line tells of narrowings that are not there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..centerline import USUAL, WIDER, Centerline, station_spacing
+from ..geometry import Line, Surface, norm, search_tree
+from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until
+from ..validation import Flags, Floats, Indices, Points
+from .branch_lumen import END_REACH, ROUGHLY, TOLERANCE, are_in_lumen
+
+_STATIONS = 24
+"""Along a line from its end on: some four to six diameters."""
+
+_AT_ONCE = 8
+"""Ends that are measured together, those first that may be the widest."""
+
+BESIDE_MIDDLE = 0.5
+"""Radii from the middle of a vessel at which a line has left it, and is moved into it,"""
+
+IN_MIDDLE = 0.1
+"""and within which it has come there, unless it keeps to it no better farther on."""
+
+
+class EndStations(NamedTuple):
+    """Stations (n,) along a line from its end inward, and the largest spheres there."""
+
+    points: Points
+    along: Floats
+    spheres: InscribedSpheres
+    is_known: Flags
+    """The sphere is one of the lumen, and does not touch what closes the end."""
+
+    @property
+    def width(self) -> float:
+        """The usual diameter, mm; NaN where none is known."""
+        known = 2 * self.spheres.radii[self.is_known]
+        return float(np.quantile(known, USUAL)) if len(known) else float("nan")
+
+
+class LineEnds:
+    """Measures a vessel along lines from their ends inward.
+
+    Parameters
+    ----------
+    surface : Surface
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        self._surface = surface
+        self._corners = search_tree(surface.points)
+
+    def widths(self, ways: Sequence[Points]) -> Floats:
+        """How wide the vessel is at some ends, mm: `Widths` for `Centerline.from_lines`.
+
+        Those that cannot be the widest are not measured: corners of the wall are no nearer to a
+        place than the wall is.
+        """
+        lines = [self._line(way) for way in ways]
+        bounds = np.array([2 * float(self._away(line.points).max()) for line in lines])
+        found = np.full(len(lines), np.nan)
+        order = np.argsort(-bounds, kind="stable")
+        for first in range(0, len(lines), _AT_ONCE):
+            some = order[first : first + _AT_ONCE]
+            if WIDER * bounds[some[0]] < np.nanmax([0.0, *found]):
+                break
+            measured = self._measured([lines[number] for number in some.tolist()])
+            found[some] = [one.width for one in measured]
+        return found
+
+    def stations(self, ways: Sequence[Points]) -> list[EndStations]:
+        """The stations along some ways, each (k, 3) from its end inward."""
+        return self._measured([self._line(way) for way in ways]) if len(ways) else []
+
+    def _line(self, way: Points) -> Line:
+        """Stations along a way, but within the sphere of the junction to which it leads."""
+        line = Line(way)
+        spacing = min(station_spacing(self._away(way)), line.length)
+        at = spacing * np.arange(1 + min(_STATIONS, int(line.length / spacing * (1 + 1e-9))))
+        places = line.at(at)
+        own = norm(places - way[-1]) >= self._away(way[-1:])
+        count = len(at) if own.all() else int(np.argmin(own))
+        return Line(places[: count if count > 1 else len(at)])
+
+    def _measured(self, lines: Sequence[Line]) -> list[EndStations]:
+        places = np.concatenate([line.points for line in lines])
+        directions = np.concatenate([line.directions for line in lines])
+        wall = LocalSurface(self._surface.points, self._surface.triangles, places)
+        centers, radii = StationSearch(wall, places, directions, Until(TOLERANCE)).rough
+        is_in = are_in_lumen(places, InscribedSpheres(centers, ROUGHLY * radii), self._surface)
+        found, first = [], 0
+        for line in lines:
+            own = slice(first, first + len(line))
+            first += len(line)
+            to_end = norm(line.points - line.points[0])
+            is_known = is_in[own] & (radii[own] > 0) & (END_REACH * radii[own] <= to_end)
+            spheres = InscribedSpheres(centers[own], radii[own])
+            found.append(EndStations(line.points, line.arc_lengths, spheres, is_known))
+        return found
+
+    def _away(self, places: Points) -> Floats:
+        return np.asarray(self._corners.query(places)[0])
+
+
+class MovedEnd(NamedTuple):
+    """The end of a line that was moved from the wall into the middle of the vessel."""
+
+    begins: Points
+    """(3,) where it began, mm."""
+    length: float
+    """Of what was moved, mm."""
+
+
+def with_ends_in_middle(
+    surface: Surface, tree: Centerline
+) -> tuple[Centerline, tuple[MovedEnd, ...]]:
+    """A centerline whose lines begin and end in the middle of the vessel, and what was moved.
+
+    From an end that lies beside the middle up to where its line reaches that, points are put on
+    the straight way on which the middle goes on from there, at the same steps.
+    """
+    ends = np.setdiff1d(tree.leaves, tree.loops[:, 0])
+    last = {int(branch[-1]): branch[::-1] for branch in tree.branches}
+    ways = [last[end] for end in ends.tolist()]
+    ways += [branch for branch in tree.branches if tree.parent[branch[0]] < 0]
+    ways = [way for way in ways if norm(tree.points[way] - tree.points[way[0]]).max() > 0]
+    measured = LineEnds(surface).stations([tree.points[way] for way in ways])
+    points, radius, moved = tree.points.copy(), tree.inscribed_radius.copy(), []
+    for way, stations in zip(ways, measured, strict=True):
+        reached = _where_in_middle(stations)
+        if reached is None:
+            continue
+        at = np.abs(tree.arc_length[way] - tree.arc_length[way[0]])
+        which = way[at < reached.along]
+        points[which] = _put(points[which], at[: len(which)], reached)
+        radius[which] = reached.radius if np.isfinite(radius).any() else np.nan
+        moved.append(MovedEnd(tree.points[way[0]], reached.along))
+    if not moved:
+        return tree, ()
+    return Centerline(points, radius, tree.parent, tree.loops), tuple(moved)
+
+
+class _Reached(NamedTuple):
+    """Where a line that began beside the middle of its vessel reaches that."""
+
+    along: float
+    """From its end, mm,"""
+    middle: Points
+    """(3,) and there, mm."""
+    inward: Points
+    """(3,) unit direction of the vessel from there on."""
+    radius: float
+
+
+def _where_in_middle(stations: EndStations) -> _Reached | None:
+    """None where a line begins in the middle, or does not come there."""
+    centers, radii = stations.spheres
+    known = np.flatnonzero(stations.is_known)
+    if len(known) < 2:
+        return None
+    beside = norm(stations.points[known] - centers[known]) / radii[known]
+    usual = min(max(IN_MIDDLE, float(np.median(beside))), BESIDE_MIDDLE)
+    first = int(known[np.argmax(beside <= usual)])
+    beyond = known[stations.along[known] >= stations.along[first] + 2 * radii[first]]
+    other = int(beyond[0]) if len(beyond) else int(known[-1])
+    way = centers[other] - centers[first]
+    if first == 0 or other <= first or not way.any():
+        return None
+    inward = way / np.linalg.norm(way)
+    offset = stations.points[: first + 1] - centers[first]
+    aside = norm(offset - (offset @ inward)[:, None] * inward)
+    if aside.max() <= BESIDE_MIDDLE * radii[first] or offset[0] @ inward >= 0:
+        return None
+    return _Reached(float(stations.along[first]), centers[first], inward, float(radii[first]))
+
+
+def _put(points: Points, along: Floats, reached: _Reached) -> Points:
+    """Points (n, 3) from an end on, at arc lengths (n,), on the way on which the middle goes on."""
+    begin = float((points[0] - reached.middle) @ reached.inward)
+    return reached.middle + begin * (1 - along / reached.along)[:, None] * reached.inward
