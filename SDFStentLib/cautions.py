@@ -77,6 +77,18 @@ TEMPLATES = {
         "there are not known, and beside others the healthy vessel may be a parent, or missing; "
         "give a centerline from the inlet to all ends."
     ),
+    "begins-at-wall": (
+        "A line of the centerline ends at the wall, at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}: its "
+        "{length_mm:.1f} mm up to the middle of the vessel were put there."
+    ),
+    "loop": (
+        "Lines of the centerline that part meet again at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}: a "
+        "loop. It is a tree that ends there for one of the two vessels."
+    ),
+    "line-leaves-lumen": (
+        "The centerline leaves the lumen at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, over "
+        "{length_mm:.1f} mm: nothing is measured there; give a line that stays inside."
+    ),
     "jagged-line": (
         "The centerline goes to and fro from point to point, by {turn_deg:.0f} degrees and more: "
         "it is longer than the vessel. Lengths along it, the places and degrees of lesions and the "

@@ -1,4 +1,4 @@
-"""Any lines of a vessel make one tree: pieces in any order and direction, with gaps, or as loops."""
+"""Any lines of a vessel make one tree: pieces in any order and direction, with gaps, loops."""
 
 from __future__ import annotations
 
@@ -24,8 +24,14 @@ def piece(start, end, first: float, last: float) -> Piece:
 def a_tree(random: np.random.Generator) -> list[Piece]:
     """Pieces between junctions of a vessel that divides twice; the first begins at the inlet."""
     fork = np.zeros(3)
-    left, right = random.uniform((-30, -8, 25), (-18, 8, 40)), random.uniform((15, -8, 30), (30, 8, 60))
-    one, other = left + random.uniform((-20, -9, 15), (-9, 9, 25)), left + random.uniform((4, -9, 20), (12, 9, 30))
+    left, right = (
+        random.uniform((-30, -8, 25), (-18, 8, 40)),
+        random.uniform((15, -8, 30), (30, 8, 60)),
+    )
+    one, other = (
+        left + random.uniform((-20, -9, 15), (-9, 9, 25)),
+        left + random.uniform((4, -9, 20), (12, 9, 30)),
+    )
     radius = random.uniform(4.5, 6.5)
     sizes = radius * random.uniform(0.5, 0.8, size=4)
     return [
@@ -124,7 +130,8 @@ def test_every_form_in_any_order_has_the_same_ends_and_begins_at_the_inlet(form,
     first = tree_of(parts)
     np.testing.assert_allclose(first.points[first.roots], [INLET], atol=1e-9)
     away = np.linalg.norm(first.points[first.leaves][:, None] - tips, axis=2)
-    assert away.shape == (3, 3) and away.min(axis=0).max() < 1e-9
+    assert away.shape == (3, 3)
+    assert away.min(axis=0).max() < 1e-9
     length = sum(Line(points).length for points, _ in pieces)
     steps = first.points - first.points[first.parent]
     assert np.linalg.norm(steps[first.parent >= 0], axis=1).sum() == pytest.approx(length, rel=0.03)
@@ -145,7 +152,8 @@ def test_curves_drawn_from_a_junction_or_to_it_begin_at_an_end(backward, radii):
     tree = tree_of(pieces, backward=backward)
     root = tree.points[tree.roots[0]].tolist()
     assert root in ([[0.0, 0, 0]] if radii else [[0.0, 0, 0], [-20, 0, 70], [22, 0, 68]])
-    assert len(tree.junctions) == 1 and len(tree.leaves) == 2
+    assert len(tree.junctions) == 1
+    assert len(tree.leaves) == 2
 
 
 def test_a_vessel_is_measured_to_find_its_inlet_whatever_the_file_says_of_its_radius():

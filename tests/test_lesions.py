@@ -98,13 +98,16 @@ def forms_of(line):
     apart = np.concatenate([line.points[way] for way in ways])
     ends = np.cumsum([0, *map(len, ways)])
     lines = [np.arange(*pair) for pair in pairwise(ends)]
-    radius = line.inscribed_radius
+    radius, wider_end = (
+        line.inscribed_radius,
+        line.points[max(line.leaves, key=lambda n: line.points[n][0])],
+    )
     return {
         "delivered": line,
         "resampled": line.resampled(2.0),
         "no radius": with_radius(line, np.full(len(radius), np.nan)),
         "backward": Centerline.from_lines(
-            line.points, [way[::-1] for way in ways], radius, inlet=line.points[line.leaves[0]]
+            line.points, [way[::-1] for way in ways], radius, inlet=wider_end
         ),
         "overlapping": Centerline.from_lines(apart, lines),
         "many overlapping": Centerline.from_lines(apart, lines * 60),

@@ -52,7 +52,8 @@ def vessel_at(folder, name):
 
 def way_to(vessel, leaf=0):
     tree = vessel.centerline
-    return tree.points[tree.ancestry(tree.leaves[leaf])]
+    leaves = sorted(tree.leaves, key=lambda node: -tree.points[node][0])
+    return tree.points[tree.ancestry(leaves[leaf])]
 
 
 def segment_of(vessel, first, last, leaf=0, **wishes):

@@ -17,7 +17,7 @@ from SDFStentLib.files import (
     triangulated_polydata,
 )
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import given_names
+from SDFStentLib.vessel import LineEnds, given_names, with_ends_in_middle
 
 from . import Conversion, Handles, Plans
 from .Lesions import LesionSearch
@@ -94,14 +94,18 @@ class Inputs:
         """
         stamp = Conversion.inputStamp(parameterNode)
         if stamp != self._centerline[0]:
-            lines, wall, told = Conversion.centerlineLines(parameterNode.centerline), None, ()
+            lines, told = Conversion.centerlineLines(parameterNode.centerline), ()
             vessel = parameterNode.vessel
-            if vessel is not None:
+            if vessel is None:
+                centerline = yield from inPortions(lambda: Centerline.from_lines(*lines))
+            else:
                 surface = (yield from self.vesselInPortions(parameterNode)).surface
-                wall, names = surface.points, (vessel.GetName(), parameterNode.centerline.GetName())
-            centerline = yield from inPortions(lambda: Centerline.from_lines(*lines, wall=wall))
-            if vessel is not None:
-                told = yield from inPortions(lambda: _misfits(surface, centerline, *names))
+                how = {"wall": surface.points, "widths": LineEnds(surface).widths}
+                tree = yield from inPortions(lambda: Centerline.from_lines(*lines, **how))
+                names = vessel.GetName(), parameterNode.centerline.GetName()
+                told = yield from inPortions(lambda: _misfits(surface, tree, *names))
+                centerline, moved = yield from inPortions(lambda: with_ends_in_middle(surface, tree))
+                told = (*told, *moved)
             self._centerline, self._beside = (stamp, centerline), told
         return self._centerline[1]
 

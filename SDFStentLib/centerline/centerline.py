@@ -20,26 +20,11 @@ from ..validation import (
     as_points,
     read_only,
 )
+from . import point_tree
 from .branch_lumen import BranchLumen, branch_of_points, told_lumens
 from .from_lines import tree_from_lines
 from .path import CenterlinePath, JunctionChoice, Location
-from .point_tree import (
-    NO_LOOPS,
-    NeighborTable,
-    PointTree,
-    ancestry_of,
-    as_loops,
-    as_parents,
-    as_radii,
-    branches_of,
-    interpolated,
-    mixed_radius,
-    neighbor_table,
-    points_between,
-    resampled_tree,
-    run_starts,
-    sums_to_root,
-)
+from .point_tree import NeighborTable, PointTree
 from .root import Widths
 from .vessel_lines import LumenPlace, VesselLines
 
@@ -73,15 +58,15 @@ class Centerline:
     points: Points
     inscribed_radius: Floats
     parent: Indices
-    loops: Indices = field(default_factory=lambda: NO_LOOPS)
+    loops: Indices = field(default_factory=lambda: point_tree.NO_LOOPS)
 
     def __post_init__(self) -> None:
         points = as_points(self.points, "centerline points", minimum=2)
-        parent = as_parents(self.parent, len(points))
+        parent = point_tree.as_parents(self.parent, len(points))
         object.__setattr__(self, "points", read_only(points))
         object.__setattr__(self, "parent", read_only(parent))
-        object.__setattr__(self, "loops", read_only(as_loops(self.loops, len(points))))
-        radius = read_only(as_radii(self.inscribed_radius, len(points)))
+        object.__setattr__(self, "loops", read_only(point_tree.as_loops(self.loops, len(points))))
+        radius = read_only(point_tree.as_radii(self.inscribed_radius, len(points)))
         object.__setattr__(self, "inscribed_radius", radius)
 
     @classmethod
@@ -98,12 +83,10 @@ class Centerline:
         """The tree of a centerline file's lines, whatever made it.
 
         Points that coincide are one. Lines within a tenth of the inscribed radius of each other are
-        one up to where they part. Pieces are joined across a gap within a sphere. The order of
-        lines and points, and the direction of pieces, tell nothing.
-        Where some radii are unknown, those of the nearest points stand for them; where all are,
-        the distance to the wall does, and without a wall 0.1 % and 1 % of the extent for what is
-        one line and for a gap. A loop is opened where its limbs meet again; what ends blind inside
-        the sphere of its junction is dropped.
+        one up to where they part; pieces are joined across a gap within a sphere. Their order and
+        direction tell nothing. For unknown radii stand those of the nearest points, or the distance
+        to the wall; without any, 0.1 % of the extent for what is one and 1 % for a gap. A loop is
+        opened where its limbs meet again; what ends blind in a junction's sphere is dropped.
 
         The root is the end nearest to `inlet`. Without that it is the end from which lines lead to
         several others, all the way; then the widest end. Where one line has two ends that are as
@@ -112,7 +95,7 @@ class Centerline:
         Parameters
         ----------
         points : array_like, shape (n, 3)
-            Points, mm; those that no line uses are left out.
+            mm; those that no line uses are left out.
         lines : sequence of arrays of int
             Point indices of every line, in the order of the cell.
         inscribed_radius : array_like, shape (n,), optional
@@ -122,7 +105,7 @@ class Centerline:
         wall : array_like, shape (m, 3), optional
             Points of the surface in which the lines lie, mm.
         widths : callable, optional
-            Measures the vessel at its ends, see `Widths`. By default the radii tell.
+            Measures the vessel at its ends, see `Widths`; by default the radii tell.
 
         Raises
         ------
@@ -130,10 +113,7 @@ class Centerline:
             No line, a line through one place only, nothing but a closed loop, indices that do not
             exist, coordinates that are not finite, or pieces too far apart.
         """
-        tree = tree_from_lines(
-            points, lines, inscribed_radius, inlet=inlet, wall=wall, widths=widths
-        )
-        return cls(*tree)
+        return cls(*tree_from_lines(points, lines, inscribed_radius, inlet, wall, widths))
 
     @property
     def roots(self) -> Indices:
@@ -155,12 +135,12 @@ class Centerline:
         """Arc length from the root for every point, mm."""
         steps = self.points - self.points[self.parent]
         steps[self.parent < 0] = 0.0
-        return read_only(sums_to_root(self.parent, np.linalg.norm(steps, axis=1)))
+        return read_only(point_tree.sums_to_root(self.parent, np.linalg.norm(steps, axis=1)))
 
     @cached_property
     def branches(self) -> tuple[Indices, ...]:
         """Point indices from root or junction to the next junction or leaf, both included."""
-        return tuple(read_only(branch) for branch in branches_of(self.parent))
+        return tuple(read_only(branch) for branch in point_tree.branches_of(self.parent))
 
     @cached_property
     def _child_counts(self) -> Indices:
@@ -173,15 +153,15 @@ class Centerline:
     @cached_property
     def neighbors(self) -> NeighborTable:
         """The parent and the children of every point."""
-        return neighbor_table(self.parent)
+        return point_tree.neighbor_table(self.parent)
 
     def ancestry(self, index: int) -> Indices:
         """The points from the root down to `index`, both included."""
-        return ancestry_of(self.parent, index, self._run_starts)
+        return point_tree.ancestry_of(self.parent, index, self._run_starts)
 
     @cached_property
     def _run_starts(self) -> Indices:
-        return run_starts(self.parent)
+        return point_tree.run_starts(self.parent)
 
     def project(self, point: ArrayLike) -> Location:
         """The nearest place on the centerline's segments.
@@ -202,7 +182,7 @@ class Centerline:
         above = int(self.parent[index])
         at, radius = self.arc_length, self.inscribed_radius
         along = (1.0 - fraction) * at[above] + fraction * at[index]
-        local = mixed_radius(radius[above], radius[index], fraction)
+        local = point_tree.mixed_radius(radius[above], radius[index], fraction)
         if along - at[above] <= SAME_PLACE and self.parent[above] >= 0:
             # At a junction: on the segment above it, so that no branch is chosen by rounding.
             index, fraction = above, 1.0
@@ -253,7 +233,7 @@ class Centerline:
             The points lie on trees with different roots.
         """
         start, end = self.ends_of_path(from_point, to_point)
-        nodes = points_between(self.ancestry(start.index), self.ancestry(end.index))
+        nodes = point_tree.points_between(self.ancestry(start.index), self.ancestry(end.index))
         if nodes is None:
             raise InputError(
                 "centerline path: expected two points of one vessel tree, got points on trees "
@@ -302,7 +282,7 @@ class Centerline:
         """Equal arc length of about `spacing` (mm) along every branch, whose ends stay."""
         spacing = as_number(spacing, "spacing", unit="mm", above=0)
         tree = PointTree(self.points, self.inscribed_radius, self.parent, self.loops)
-        return Centerline(*resampled_tree(tree, spacing))
+        return Centerline(*point_tree.resampled_tree(tree, spacing))
 
     def with_points(self, new_points: ArrayLike) -> Centerline:
         """The same tree with its points, one for one, elsewhere."""
@@ -329,7 +309,9 @@ class Centerline:
         nodes, at = nodes[:count], at[:count]
         ends = np.clip([first, last], 0.0, at[-1])
         inner = nodes[(at > ends[0]) & (at < ends[1])]
-        points, radius = interpolated(Line(self.points[nodes]), self.inscribed_radius[nodes], ends)
+        points, radius = point_tree.interpolated(
+            Line(self.points[nodes]), self.inscribed_radius[nodes], ends
+        )
         points = np.concatenate([points[:1], self.points[inner], points[1:]])
         radius = np.concatenate([radius[:1], self.inscribed_radius[inner], radius[1:]])
         line = Line(points)

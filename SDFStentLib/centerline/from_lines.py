@@ -40,7 +40,6 @@ def tree_from_lines(
     points: ArrayLike,
     lines: Sequence[ArrayLike],
     inscribed_radius: ArrayLike | None = None,
-    *,
     inlet: ArrayLike | None = None,
     wall: ArrayLike | None = None,
     widths: Widths | None = None,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
-from ..centerline import Centerline
+from ..centerline import Centerline, Widths
 from ..geometry import Line
 from ..units import MILLIMETERS, Frame, flipped, millimeters_per
 from ..validation import InputError, Points, read_only
@@ -84,15 +84,20 @@ class LineFile:
             return self.frame
         return "RAS" if self.frame == "LPS" else "LPS"
 
-    def centerline(self, root: Points | None = None, wall: Points | None = None) -> Centerline:
+    def centerline(
+        self,
+        root: Points | None = None,
+        wall: Points | None = None,
+        widths: Widths | None = None,
+    ) -> Centerline:
         """The tree of these lines; `InputError` naming the file where there is none.
 
         Its root is the end nearest to `root`, (3,) mm; without it, and with points of a `wall`
-        (m, 3), by the rules of `Centerline.from_lines`.
+        (m, 3) and its `widths`, by the rules of `Centerline.from_lines`.
         """
         try:
             return Centerline.from_lines(
-                self.points, self.lines, self.inscribed_radius, inlet=root, wall=wall
+                self.points, self.lines, self.inscribed_radius, inlet=root, wall=wall, widths=widths
             )
         except InputError as error:
             raise error.labeled(f"{self.path}: ") from error

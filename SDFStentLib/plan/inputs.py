@@ -25,6 +25,7 @@ from ..treatment import Vessel, VesselName
 from ..units import Frame, are_apart, flipped
 from ..validation import InputError, Points
 from ..version import VERSION
+from ..vessel import LineEnds, with_ends_in_middle
 from .plan import Plan
 
 
@@ -99,9 +100,12 @@ def read_input_files(
     marks = marks.in_frame(surface_file.frame)
     if centerline is not None:
         line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
-        tree = line_file.centerline(marks.root, surface_file.surface.points)
+        wall = surface_file.surface
+        tree = line_file.centerline(marks.root, wall.points, LineEnds(wall).widths)
         warnings += line_file.warnings
         warnings += in_same_space(surface_file, tree.points, os.fspath(centerline))
+        tree, moved = with_ends_in_middle(wall, tree)
+        warnings += moved
     elif marks.names:
         raise InputError(
             "names: expected a centerline, which tells one vessel from another, got none; give "

@@ -27,6 +27,7 @@ from ..vessel import (
     given_names,
     lesions_against,
     line_seeds,
+    lumen_left,
     vessel_ends,
 )
 from .placing import healthy_vessel, placement_at
@@ -115,13 +116,16 @@ class Vessel:
 
     @cached_property
     def lesion_cautions(self) -> tuple[Caution, ...]:
-        """What to know before one relies on its lesions: a jagged line, ends without one."""
+        """What to know before one relies on its lesions: of its lines, and ends without one."""
         if self.centerline is None:
             return ()
         cautions = []
         turn = zigzag(tuple(self.branches.values()))
         if turn > JAGGED:
             cautions.append(Caution("jagged-line", {"turn_deg": turn}))
+        for place in self.centerline.points[self.centerline.loops[:, 1]]:
+            cautions.append(Caution("loop", dict(zip("xyz", place.tolist(), strict=True))))
+        cautions += lumen_left(self.surface, self.centerline)
         ends = vessel_ends(self.surface)
         without = ends_without_line(ends, self.centerline)
         if without:

@@ -3,6 +3,7 @@
 from .apposition import Apposition as Apposition
 from .apposition import apposition as apposition
 from .branch_lumen import branch_lumens as branch_lumens
+from .branch_lumen import lumen_left as lumen_left
 from .branch_names import branch_names as branch_names
 from .given_names import VesselName as VesselName
 from .given_names import given_names as given_names
@@ -14,6 +15,8 @@ from .lesions import SMALL_VESSEL as SMALL_VESSEL
 from .lesions import find_lesions as find_lesions
 from .lesions import lesion_after as lesion_after
 from .lesions import lesions_within as lesions_within
+from .line_ends import LineEnds as LineEnds
+from .line_ends import with_ends_in_middle as with_ends_in_middle
 from .marked_reference import lesion_against as lesion_against
 from .marked_reference import lesions_against as lesions_against
 from .narrowings import SMALLEST_DEGREE as SMALLEST_DEGREE

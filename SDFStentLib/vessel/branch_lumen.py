@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Sequence
 from functools import cached_property
@@ -9,6 +10,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from ..cautions import Caution
 from ..centerline import BranchLumen, Centerline
 from ..geometry import Surface, norm
 from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until
@@ -66,6 +68,11 @@ class TreeLumen:
                 "everywhere; check that both are of one patient and in one unit."
             )
 
+    @property
+    def inside(self) -> list[Flags]:
+        """Which stations (n,) of every branch are in the lumen."""
+        return np.split(self._is_in, self._ends[:-1])
+
     @cached_property
     def rough(self) -> tuple[BranchLumen, ...]:
         """With `StationSearch.rough` spheres."""
@@ -93,6 +100,20 @@ class TreeLumen:
             lumen._replace(diameter=d, centers=c)
             for lumen, d, c in zip(self._lumens, *columns, strict=True)
         )
+
+
+def lumen_left(surface: Surface, centerline: Centerline) -> list[Caution]:
+    """Where lines leave the lumen, and go on in it; at the ends of a vessel they may stick out."""
+    tree, found = tree_lumen(surface, centerline), []
+    for lumen, is_in in zip(centerline.lumens, tree.inside, strict=True):
+        inside = np.flatnonzero(is_in)
+        for last, back in itertools.pairwise(inside):
+            if back > last + 1:
+                place = lumen.points[last + 1].tolist()
+                length = float(lumen.along[back] - lumen.along[last])
+                numbers = dict(zip("xyz", place, strict=True)) | {"length_mm": length}
+                found.append(Caution("line-leaves-lumen", numbers))
+    return found
 
 
 _known: WeakKeyDictionary[Surface, TreeLumen] = WeakKeyDictionary()

@@ -1,7 +1,7 @@
 """How wide a vessel is where its lines end, and lines that begin at its wall put into its middle.
 
 What a network extraction traces from one hole, or a hand draws from a rim, reaches the middle of
-the vessel only farther on. Measured along itself such a line tells of narrowings that are not there.
+the vessel only farther on. Measured along itself it tells of narrowings that are not there.
 """
 
 from __future__ import annotations
@@ -11,11 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..cautions import Caution
 from ..centerline import USUAL, WIDER, Centerline, station_spacing
-from ..geometry import Line, Surface, norm, search_tree
-from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until
-from ..validation import Flags, Floats, Indices, Points
-from .branch_lumen import END_REACH, ROUGHLY, TOLERANCE, are_in_lumen
+from ..geometry import Line, Surface, SurfaceIndex, norm, search_tree
+from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until, flat_caps
+from ..validation import Flags, Floats, Points
+from .branch_lumen import END_REACH, TOLERANCE
 
 _STATIONS = 24
 """Along a line from its end on: some four to six diameters."""
@@ -24,10 +25,18 @@ _AT_ONCE = 8
 """Ends that are measured together, those first that may be the widest."""
 
 BESIDE_MIDDLE = 0.5
-"""Radii from the middle of a vessel at which a line has left it, and is moved into it,"""
+"""Radii from the middle of a vessel, and from its wall, at which a line that ends beside the middle
+is moved into it,"""
 
 IN_MIDDLE = 0.1
 """and within which it has come there, unless it keeps to it no better farther on."""
+
+
+_STEEP = np.cos(np.deg2rad(45.0))
+"""A normal that is less along a line is one of the wall rather than of a cap."""
+
+_ROUND = 3.0
+"""Radii round an end within which the wall beside it lies, and its cap."""
 
 
 class EndStations(NamedTuple):
@@ -80,6 +89,29 @@ class LineEnds:
         """The stations along some ways, each (k, 3) from its end inward."""
         return self._measured([self._line(way) for way in ways]) if len(ways) else []
 
+    def may_begin_at_wall(self, way: Points) -> bool:
+        """Whether corners of the wall, of no cap across the line, lie beside where it begins."""
+        line = self._line(way)
+        radius = float(self._away(line.points).max())
+        near = self._corners.query_ball_point(way[0], BESIDE_MIDDLE * radius)
+        near.append(int(self._corners.query(way[0])[1]))
+        inward = line.at([min(2 * radius, line.length)])[0] - way[0]
+        along = self._surface.vertex_normals[near] @ inward / np.linalg.norm(inward)
+        return bool((np.abs(along) < _STEEP).any())
+
+    def to_wall(self, place: Points, radius: float) -> float:
+        """How far a place (3,) in a vessel of a radius is from its wall, caps left out, mm."""
+        points, triangles = self._surface.points, self._surface.triangles
+        is_near = np.zeros(len(points), dtype=bool)
+        is_near[self._corners.query_ball_point(place, _ROUND * radius)] = True
+        near = triangles[is_near[triangles].any(axis=1)]
+        is_wall = np.ones(len(near), dtype=bool)
+        for cap in flat_caps(points, near):
+            is_wall[cap.faces] = False
+        if not is_wall.any():
+            return radius
+        return float(SurfaceIndex(points, near[is_wall]).distances(place[None]).distance[0])
+
     def _line(self, way: Points) -> Line:
         """Stations along a way, but within the sphere of the junction to which it leads."""
         line = Line(way)
@@ -95,7 +127,7 @@ class LineEnds:
         directions = np.concatenate([line.directions for line in lines])
         wall = LocalSurface(self._surface.points, self._surface.triangles, places)
         centers, radii = StationSearch(wall, places, directions, Until(TOLERANCE)).rough
-        is_in = are_in_lumen(places, InscribedSpheres(centers, ROUGHLY * radii), self._surface)
+        is_in = self._surface.contains(places)
         found, first = [], 0
         for line in lines:
             own = slice(first, first + len(line))
@@ -110,39 +142,33 @@ class LineEnds:
         return np.asarray(self._corners.query(places)[0])
 
 
-class MovedEnd(NamedTuple):
-    """The end of a line that was moved from the wall into the middle of the vessel."""
-
-    begins: Points
-    """(3,) where it began, mm."""
-    length: float
-    """Of what was moved, mm."""
-
-
 def with_ends_in_middle(
     surface: Surface, tree: Centerline
-) -> tuple[Centerline, tuple[MovedEnd, ...]]:
+) -> tuple[Centerline, tuple[Caution, ...]]:
     """A centerline whose lines begin and end in the middle of the vessel, and what was moved.
 
-    From an end that lies beside the middle up to where its line reaches that, points are put on
-    the straight way on which the middle goes on from there, at the same steps.
+    From an end that lies at the wall up to where its line reaches the middle, points are put on the
+    straight way on which the middle goes on from there, at the same steps.
     """
     ends = np.setdiff1d(tree.leaves, tree.loops[:, 0])
     last = {int(branch[-1]): branch[::-1] for branch in tree.branches}
     ways = [last[end] for end in ends.tolist()]
     ways += [branch for branch in tree.branches if tree.parent[branch[0]] < 0]
-    ways = [way for way in ways if norm(tree.points[way] - tree.points[way[0]]).max() > 0]
-    measured = LineEnds(surface).stations([tree.points[way] for way in ways])
+    known = LineEnds(surface)
+    ways = [way for way in ways if np.ptp(tree.arc_length[way]) > 0]
+    ways = [way for way in ways if known.may_begin_at_wall(tree.points[way])]
+    measured = known.stations([tree.points[way] for way in ways])
     points, radius, moved = tree.points.copy(), tree.inscribed_radius.copy(), []
     for way, stations in zip(ways, measured, strict=True):
-        reached = _where_in_middle(stations)
-        if reached is None:
+        reached, begin = _where_in_middle(stations), tree.points[way[0]]
+        if reached is None or known.to_wall(begin, reached.radius) > BESIDE_MIDDLE * reached.radius:
             continue
         at = np.abs(tree.arc_length[way] - tree.arc_length[way[0]])
         which = way[at < reached.along]
         points[which] = _put(points[which], at[: len(which)], reached)
         radius[which] = reached.radius if np.isfinite(radius).any() else np.nan
-        moved.append(MovedEnd(tree.points[way[0]], reached.along))
+        numbers = dict(zip("xyz", begin.tolist(), strict=True)) | {"length_mm": reached.along}
+        moved.append(Caution("begins-at-wall", numbers))
     if not moved:
         return tree, ()
     return Centerline(points, radius, tree.parent, tree.loops), tuple(moved)
