@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from .units import in_file
 from .validation import InputError, Place, PlainNumbers
 
+_AT = "({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}"
 _BESIDE = (
     "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
     "({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, was taken."
@@ -43,7 +44,7 @@ TEMPLATES = {
         "read in {unit}, it is {extent_mm:.3g} mm long and about {lumen_mm:.3g} mm wide, unusual "
         "for a vessel; name the unit of the file{units} if it is another."
     ),
-    "unit-in-file": "it says that it is in {unit}, not {wanted}.",
+    "unit-in-file": "it names {unit}, the unit of the screen; its positions were read in {wanted}.",
     "frame-turned": "it is in {frame}, the surface in {wanted}; its x and y were negated.",
     "partly-outside": "{outside_percent:.0f} % of its points lie outside of {surface}.",
     "points-joined": (
@@ -77,18 +78,13 @@ TEMPLATES = {
         "there are not known, and beside others the healthy vessel may be a parent, or missing; "
         "give a centerline from the inlet to all ends."
     ),
-    "begins-at-wall": (
-        "A line of the centerline ends at the wall, at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}: its "
-        "{length_mm:.1f} mm up to the middle of the vessel were put there."
-    ),
-    "loop": (
-        "Lines of the centerline that part meet again at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}: a "
-        "loop. It is a tree that ends there for one of the two vessels."
-    ),
-    "line-leaves-lumen": (
-        "The centerline leaves the lumen at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, over "
-        "{length_mm:.1f} mm: nothing is measured there; give a line that stays inside."
-    ),
+    "begins-at-wall": "A line ends at the wall, at "
+    + _AT
+    + "; {length_mm:.1f} mm were moved inward.",
+    "loop": "Lines that part meet again, a loop, at " + _AT + ": read as a tree that ends there.",
+    "line-leaves-lumen": "A line leaves the lumen, over {length_mm:.1f} mm, at "
+    + _AT
+    + "; mend it.",
     "jagged-line": (
         "The centerline goes to and fro from point to point, by {turn_deg:.0f} degrees and more: "
         "it is longer than the vessel. Lengths along it, the places and degrees of lesions and the "

@@ -5,7 +5,9 @@ import json
 import numpy as np
 import pytest
 from mesh_files import assert_refused_by_name, octahedron
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from SDFStentLib.files import (
     add_arrays,
@@ -44,16 +46,128 @@ def test_an_axis_runs_as_its_cell_says(tmp_path):
         read_axis(saved(tmp_path, [[0, 1, 2], [2, 3]]))
 
 
-def test_a_markups_file_that_names_another_unit_is_believed(tmp_path):
+@pytest.mark.parametrize("label", ["cm", "m", "um", ["cm", "UCUM", "centimeter"]])
+def test_the_unit_that_a_markups_file_names_is_one_of_the_screen(tmp_path, label):
+    """Slicer 5.12 writes positions in mm whatever unit its scene is shown in."""
     path = tmp_path / "c.mrk.json"
-    path.write_bytes(new_markups(POINTS, "RAS", "cm"))
+    path.write_bytes(new_markups(POINTS, "RAS", label))
     lines = read_lines(path)
-    assert lines.units == "cm"
-    assert np.array_equal(lines.points[::10], 10 * POINTS)
-    assert "it says that it is in cm, not mm" in str(lines.warnings[0])
-    path.write_bytes(new_markups(POINTS, "RAS", "um"))
-    with pytest.raises(InputError, match="expected mm, cm or m, got 'um'"):
-        read_lines(path)
+    assert np.array_equal(lines.points[::10], POINTS)
+    (said,) = lines.warnings
+    unit = label if isinstance(label, str) else label[0]
+    assert f"it names {unit}, the unit of the screen; its positions were read in mm" in str(said)
+    assert np.array_equal(read_lines(path, "cm").points[::10], 10 * POINTS)
+    path.write_bytes(new_markups(POINTS, "RAS", "mm"))
+    assert read_lines(path).warnings == ()
+
+
+UNPLACED = (
+    {"position": "", "positionStatus": "missing"},
+    {"position": "", "positionStatus": "undefined"},
+    {"position": [9.0, 9.0, 9.0], "positionStatus": "preview"},
+    {"position": ""},
+    {"positionStatus": "undefined"},
+)
+
+
+@pytest.mark.parametrize("unplaced", UNPLACED)
+def test_points_of_a_curve_that_were_not_placed_are_left_out(tmp_path, unplaced):
+    path = tmp_path / "c.mrk.json"
+    document = json.loads(new_markups(POINTS, "RAS", "mm"))
+    controls = document["markups"][0]["controlPoints"]
+    controls[3:3] = [unplaced]
+    path.write_text(json.dumps(document), encoding="utf-8")
+    lines = read_lines(path)
+    assert np.array_equal(lines.points[::10], POINTS)
+    write_centerline(tmp_path / "d.mrk.json", lines, lines.points + 1.0)
+    moved = json.loads((tmp_path / "d.mrk.json").read_bytes())["markups"][0]["controlPoints"]
+    assert moved.pop(3) == unplaced
+    assert np.array_equal([one["position"] for one in moved], POINTS + 1.0)
+
+
+PTH = """<?xml version="1.0" encoding="UTF-8" ?>
+<format version="1.0" />
+<path id="1" method="0" calculation_number="100" spacing="0">
+  <timestep id="0">
+    <path_element method="0" calculation_number="100" spacing="0">
+      <control_points><point id="0" x="0" y="0" z="0" /><point id="1" x="9" y="0" z="0" /></control_points>
+      <path_points>
+        <path_point id="0"><pos x="0" y="0" z="0" /><tangent x="1" y="0" z="0" /></path_point>
+        <path_point id="1"><pos x="4.5" y="0.5" z="0" /><tangent x="1" y="0" z="0" /></path_point>
+        <path_point id="2"><pos x="9" y="0" z="0" /><tangent x="1" y="0" z="0" /></path_point>
+      </path_points>
+    </path_element>
+  </timestep>
+</path>
+"""  # noqa: E501
+
+
+def test_a_path_of_simvascular_is_a_line(tmp_path):
+    path = tmp_path / "aorta.pth"
+    path.write_text(PTH, encoding="utf-8")
+    lines = read_lines(path, "cm")
+    assert lines.points.tolist() == [[0, 0, 0], [45, 5, 0], [90, 0, 0]]
+    assert lines.frame is None
+    assert lines.centerline().points[0].tolist() == [0, 0, 0]
+    assert write_centerline(tmp_path / "out.vtp", lines, lines.points + 1.0) == ()
+    again = read_lines(tmp_path / "out.vtp", "cm")
+    np.testing.assert_allclose(again.points, lines.points + 1.0)
+    for text, words in (
+        (PTH[:400], "expected a path of SimVascular .* cut short"),
+        (PTH.replace("4.5", "far"), "expected points with numbers as x, y and z"),
+        ("<format version='1.0' /><path/>", "two points or more, got 0"),
+        ("<!DOCTYPE a>" + PTH, "got XML with a DTD"),
+    ):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match=words):
+            read_lines(path)
+    with pytest.raises(InputError, match=r"expected one of .* to write"):
+        write_centerline(tmp_path / "out.pth", lines, lines.points)
+
+
+FCSV = """# Markups fiducial file version = 5.11
+# CoordinateSystem = LPS
+# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID
+1,1,2,3,0,0,0,1,1,1,0,F-1,,,2,0
+2,7,7,7,0,0,0,1,1,1,0,"F, 2",,,{status},0
+3,4,5,6,0,0,0,1,1,1,0,F-3,,
+"""
+
+
+@pytest.mark.parametrize(("status", "is_placed"), [(0, False), (1, False), (2, True), (3, False)])
+def test_placed_points_of_a_list_of_slicer_are_a_line(tmp_path, status, is_placed):
+    path = tmp_path / "points.fcsv"
+    path.write_text(FCSV.replace("{status}", str(status)), encoding="utf-8")
+    lines = read_lines(path)
+    wanted = [[1, 2, 3], *([[7, 7, 7]] if is_placed else []), [4, 5, 6]]
+    assert lines.points.tolist() == wanted
+    assert lines.frame == "LPS"
+    path.write_text(FCSV.replace("LPS", "0"), encoding="utf-8")
+    assert read_lines(path).frame == "RAS"
+    for text, words in (
+        (FCSV.replace("columns", "fields"), "expected a list of points as Slicer writes it"),
+        (FCSV.replace("4,5,6", "4,b,6"), "expected numbers as x, y and z of every point"),
+        ("\n".join(FCSV.splitlines()[:4]), "two points or more, got 1"),
+    ):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match=words):
+            read_lines(path)
+
+
+@pytest.mark.parametrize("suffix", [".vtp", ".vtk"])
+def test_vmtk_s_networks_have_one_radius_more_than_points_and_are_whole(tmp_path, suffix):
+    path = tmp_path / f"n{suffix}"
+    polydata = polydata_from_lines(POINTS, [np.arange(20)])
+    radius = numpy_to_vtk(np.r_[0.0, np.arange(1.0, 20.0), 77.0], deep=True)
+    radius.SetName("Radius")
+    polydata.GetPointData().AddArray(radius)
+    # VTK's own writers keep the value that is too many.
+    writer = vtkXMLPolyDataWriter() if suffix == ".vtp" else vtkPolyDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(polydata)
+    assert writer.Write()
+    found = read_lines(path).inscribed_radius
+    np.testing.assert_array_equal(found, [np.nan, *range(1, 20)])
 
 
 def test_frames_are_brought_together_where_both_are_known(tmp_path):
@@ -96,7 +210,7 @@ def test_bad_files_give_one_sentence_with_their_name(tmp_path):
         ("one.vtp", "at least two different points, got one point"),
         ("same.vtp", "at least two different points, got one point"),
         ("nan.vtp", "got NaN or infinity"),
-        ("c.csv", "expected a centerline as .vtp, .vtk, .mrk.json, got '.csv'"),
+        ("c.csv", "expected a centerline as .vtp, .vtk, .mrk.json, .pth, .fcsv, got '.csv'"),
         ("cut.vtp", "its end is missing"),
         ("c.json", "expected a markups file with a curve"),
         ("missing.vtp", "no such file"),

@@ -43,7 +43,7 @@ USES = {
     "flow": "geometry centerline lumen vessel",
     "segment": "geometry centerline vessel",
     "treatment": "geometry centerline certificate flow lumen stent deformation vessel segment",
-    "plan": "geometry files flow stent deformation treatment vessel",
+    "plan": "geometry files flow lumen stent deformation treatment vessel",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
     "report": "geometry certificate lumen stent files treatment vessel segment flow plan "
     "simulation",

@@ -16,8 +16,9 @@ from SDFStentLib.files import (
     surface_from_polydata,
     triangulated_polydata,
 )
+from SDFStentLib.lumen import LineEnds, loops_told, with_ends_in_middle
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import LineEnds, given_names, with_ends_in_middle
+from SDFStentLib.vessel import given_names
 
 from . import Conversion, Handles, Plans
 from .Lesions import LesionSearch
@@ -104,8 +105,10 @@ class Inputs:
                 tree = yield from inPortions(lambda: Centerline.from_lines(*lines, **how))
                 names = vessel.GetName(), parameterNode.centerline.GetName()
                 told = yield from inPortions(lambda: _misfits(surface, tree, *names))
-                centerline, moved = yield from inPortions(lambda: with_ends_in_middle(surface, tree))
-                told = (*told, *moved)
+                centerline, moved = yield from inPortions(
+                    lambda: with_ends_in_middle(surface, tree)
+                )
+                told = (*told, *map(str, (*moved, *loops_told(centerline))))
             self._centerline, self._beside = (stamp, centerline), told
         return self._centerline[1]
 

@@ -20,16 +20,28 @@ from ..validation import (
     as_points,
     read_only,
 )
-from . import point_tree
-from .branch_lumen import BranchLumen, branch_of_points, told_lumens
+from .branch_lumen import SAME_PLACE, BranchLumen, branch_of_points, told_lumens
 from .from_lines import tree_from_lines
 from .path import CenterlinePath, JunctionChoice, Location
-from .point_tree import NeighborTable, PointTree
+from .point_tree import (
+    NO_LOOPS,
+    NeighborTable,
+    PointTree,
+    ancestry_of,
+    as_loops,
+    as_parents,
+    as_radii,
+    branches_of,
+    interpolated,
+    mixed_radius,
+    neighbor_table,
+    points_between,
+    resampled_tree,
+    run_starts,
+    sums_to_root,
+)
 from .root import Widths
 from .vessel_lines import LumenPlace, VesselLines
-
-SAME_PLACE = 1e-9
-"""Distance up to which two places on a centerline are one, mm."""
 
 
 @dataclass(frozen=True)
@@ -58,15 +70,15 @@ class Centerline:
     points: Points
     inscribed_radius: Floats
     parent: Indices
-    loops: Indices = field(default_factory=lambda: point_tree.NO_LOOPS)
+    loops: Indices = field(default_factory=lambda: NO_LOOPS)
 
     def __post_init__(self) -> None:
         points = as_points(self.points, "centerline points", minimum=2)
-        parent = point_tree.as_parents(self.parent, len(points))
+        parent = as_parents(self.parent, len(points))
         object.__setattr__(self, "points", read_only(points))
         object.__setattr__(self, "parent", read_only(parent))
-        object.__setattr__(self, "loops", read_only(point_tree.as_loops(self.loops, len(points))))
-        radius = read_only(point_tree.as_radii(self.inscribed_radius, len(points)))
+        object.__setattr__(self, "loops", read_only(as_loops(self.loops, len(points))))
+        radius = read_only(as_radii(self.inscribed_radius, len(points)))
         object.__setattr__(self, "inscribed_radius", radius)
 
     @classmethod
@@ -135,12 +147,12 @@ class Centerline:
         """Arc length from the root for every point, mm."""
         steps = self.points - self.points[self.parent]
         steps[self.parent < 0] = 0.0
-        return read_only(point_tree.sums_to_root(self.parent, np.linalg.norm(steps, axis=1)))
+        return read_only(sums_to_root(self.parent, np.linalg.norm(steps, axis=1)))
 
     @cached_property
     def branches(self) -> tuple[Indices, ...]:
         """Point indices from root or junction to the next junction or leaf, both included."""
-        return tuple(read_only(branch) for branch in point_tree.branches_of(self.parent))
+        return tuple(read_only(branch) for branch in branches_of(self.parent))
 
     @cached_property
     def _child_counts(self) -> Indices:
@@ -153,24 +165,18 @@ class Centerline:
     @cached_property
     def neighbors(self) -> NeighborTable:
         """The parent and the children of every point."""
-        return point_tree.neighbor_table(self.parent)
+        return neighbor_table(self.parent)
 
     def ancestry(self, index: int) -> Indices:
         """The points from the root down to `index`, both included."""
-        return point_tree.ancestry_of(self.parent, index, self._run_starts)
+        return ancestry_of(self.parent, index, self._run_starts)
 
     @cached_property
     def _run_starts(self) -> Indices:
-        return point_tree.run_starts(self.parent)
+        return run_starts(self.parent)
 
     def project(self, point: ArrayLike) -> Location:
-        """The nearest place on the centerline's segments.
-
-        Raises
-        ------
-        InputError
-            Not one finite point.
-        """
+        """The nearest place on its segments to one finite point; `InputError` for another."""
         return self._nearest(point, np.flatnonzero(self.parent >= 0))
 
     def _nearest(self, point: ArrayLike, ends: Indices) -> Location:
@@ -182,7 +188,7 @@ class Centerline:
         above = int(self.parent[index])
         at, radius = self.arc_length, self.inscribed_radius
         along = (1.0 - fraction) * at[above] + fraction * at[index]
-        local = point_tree.mixed_radius(radius[above], radius[index], fraction)
+        local = mixed_radius(radius[above], radius[index], fraction)
         if along - at[above] <= SAME_PLACE and self.parent[above] >= 0:
             # At a junction: on the segment above it, so that no branch is chosen by rounding.
             index, fraction = above, 1.0
@@ -220,12 +226,7 @@ class Centerline:
     ) -> CenterlinePath:
         """The way between the projections of two points, across junctions, in either direction.
 
-        It runs between `ends_of_path`.
-
-        Returns
-        -------
-        CenterlinePath
-            A single point when both project to the same place.
+        It runs between `ends_of_path`; a single point when both project to the same place.
 
         Raises
         ------
@@ -233,7 +234,7 @@ class Centerline:
             The points lie on trees with different roots.
         """
         start, end = self.ends_of_path(from_point, to_point)
-        nodes = point_tree.points_between(self.ancestry(start.index), self.ancestry(end.index))
+        nodes = points_between(self.ancestry(start.index), self.ancestry(end.index))
         if nodes is None:
             raise InputError(
                 "centerline path: expected two points of one vessel tree, got points on trees "
@@ -282,7 +283,7 @@ class Centerline:
         """Equal arc length of about `spacing` (mm) along every branch, whose ends stay."""
         spacing = as_number(spacing, "spacing", unit="mm", above=0)
         tree = PointTree(self.points, self.inscribed_radius, self.parent, self.loops)
-        return Centerline(*point_tree.resampled_tree(tree, spacing))
+        return Centerline(*resampled_tree(tree, spacing))
 
     def with_points(self, new_points: ArrayLike) -> Centerline:
         """The same tree with its points, one for one, elsewhere."""
@@ -309,9 +310,7 @@ class Centerline:
         nodes, at = nodes[:count], at[:count]
         ends = np.clip([first, last], 0.0, at[-1])
         inner = nodes[(at > ends[0]) & (at < ends[1])]
-        points, radius = point_tree.interpolated(
-            Line(self.points[nodes]), self.inscribed_radius[nodes], ends
-        )
+        points, radius = interpolated(Line(self.points[nodes]), self.inscribed_radius[nodes], ends)
         points = np.concatenate([points[:1], self.points[inner], points[1:]])
         radius = np.concatenate([radius[:1], self.inscribed_radius[inner], radius[1:]])
         line = Line(points)

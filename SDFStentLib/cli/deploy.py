@@ -10,7 +10,14 @@ from pathlib import Path
 from time import perf_counter
 
 from ..cautions import Caution
-from ..files import SurfaceFile, check_line_output, check_suffix, check_surface_output, read_surface
+from ..files import (
+    LINE_SUFFIXES,
+    SurfaceFile,
+    check_line_output,
+    check_suffix,
+    check_surface_output,
+    read_surface,
+)
 from ..flow import FlowAnswer
 from ..plan import (
     InputFiles,
@@ -103,6 +110,7 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
         name = Path(plan.centerline.path).name
         suffix = ".mrk.json" if name.lower().endswith(".mrk.json") else Path(name).suffix
         stem = name[: len(name) - len(suffix)]
+        suffix = suffix if suffix.lower() in LINE_SUFFIXES else LINE_SUFFIXES[0]
         outputs.add(folder / f"{stem}_stented{suffix}", job.write_centerline)
     for name in ("report.json", "report.html"):
         outputs.add(folder / name, job.write_report)

@@ -14,15 +14,20 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from ..cautions import Caution
 from ..centerline import Centerline, Widths
 from ..geometry import Line
-from ..units import MILLIMETERS, Frame, flipped, millimeters_per
+from ..units import Frame, flipped, millimeters_per
 from ..validation import InputError, Points, read_only
 from .content import FileContent, read_content
-from .formats import decode_markups, read_vtk_polydata
+from .formats import decode_fcsv, decode_markups, decode_pth, read_vtk_polydata
 from .polydata import inscribed_radius_from_polydata, lines_from_polydata, polydata_from_lines
 
 VTK_LINE_SUFFIXES = (".vtp", ".vtk")
 LINE_SUFFIXES = (*VTK_LINE_SUFFIXES, ".mrk.json")
-"""Formats that centerlines and axes are read from and written to."""
+"""Formats that centerlines and axes are read from and written to,"""
+
+PLAIN_LINES = {".pth": decode_pth, ".fcsv": decode_fcsv}
+"""and those of one line of points that are read only."""
+
+LINE_INPUTS = (*LINE_SUFFIXES, *PLAIN_LINES)
 
 
 @dataclass(frozen=True)
@@ -104,14 +109,14 @@ class LineFile:
 
 
 def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
-    """Read lines from VTP, legacy VTK or a Slicer markups curve.
+    """Read lines from VTP, legacy VTK, curves or a list of points of Slicer, SimVascular's paths.
 
     Parameters
     ----------
     path : path
     units : {"mm", "cm", "m"}
-        Unit of the coordinates in the file. A markups file that names another unit than mm is
-        believed; mm is what Slicer always writes, whatever the unit of its models.
+        Unit of the coordinates in the file. What a markups file names is the unit of the screen:
+        its positions are mm whatever it says, unless they were written otherwise.
 
     Raises
     ------
@@ -123,9 +128,11 @@ def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
     content = read_content(path)
     if content.path.name.lower().endswith(".json"):
         return _from_markups(content, units)
+    if content.suffix in PLAIN_LINES:
+        return _from_plain(content, units)
     if content.suffix not in (".vtp", ".vtk"):
         raise InputError(
-            f"{path}: expected a centerline as {', '.join(LINE_SUFFIXES)}, got "
+            f"{path}: expected a centerline as {', '.join(LINE_INPUTS)}, got "
             f"{content.suffix or 'no suffix'!r}; convert it."
         )
     polydata, frame, warnings = read_vtk_polydata(content)
@@ -209,12 +216,9 @@ def in_frame_of(line_file: LineFile, frame: Frame | None) -> LineFile:
 def _from_markups(content: FileContent, units: str) -> LineFile:
     markups = decode_markups(content)
     warnings: tuple[Caution, ...] = ()
-    if markups.units not in MILLIMETERS:
-        raise InputError(f"{content.path}: expected mm, cm or m, got {markups.units!r}.")
-    if markups.units != "mm" and markups.units != units:
+    if markups.units not in ("mm", units):
         said = {"unit": markups.units, "wanted": units}
         warnings = (Caution("unit-in-file", said, label=f"{content.path}: "),)
-        units = markups.units
     ends = np.cumsum([len(curve) for curve in markups.curves])
     points = np.concatenate(markups.curves) * millimeters_per(units)
     lines = np.split(np.arange(len(points)), ends[:-1])
@@ -228,6 +232,21 @@ def _from_markups(content: FileContent, units: str) -> LineFile:
         sha256=content.sha256,
         warnings=warnings,
         markups=content.data,
+    )
+
+
+def _from_plain(content: FileContent, units: str) -> LineFile:
+    points, frame = PLAIN_LINES[content.suffix](content)
+    lines = (read_only(np.arange(len(points))),)
+    _check_lines(points, lines, str(content.path))
+    return LineFile(
+        points=read_only(points * millimeters_per(units)),
+        lines=lines,
+        inscribed_radius=None,
+        units=units,
+        frame=frame,
+        path=content.path,
+        sha256=content.sha256,
     )
 
 

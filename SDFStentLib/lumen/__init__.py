@@ -22,6 +22,11 @@ from .known_lumen import MovedWall as MovedWall
 from .known_lumen import measured_after as measured_after
 from .known_lumen import measured_once as measured_once
 from .known_lumen import moved_wall as moved_wall
+from .line_ends import END_REACH as END_REACH
+from .line_ends import TOLERANCE as TOLERANCE
+from .line_ends import LineEnds as LineEnds
+from .line_ends import loops_told as loops_told
+from .line_ends import with_ends_in_middle as with_ends_in_middle
 from .metrics import SUSPECT as SUSPECT
 from .metrics import DiameterProfile as DiameterProfile
 from .metrics import diameter_profile as diameter_profile

@@ -20,12 +20,12 @@ from ..files import (
     read_lines,
     read_surface,
 )
+from ..lumen import LineEnds, loops_told, with_ends_in_middle
 from ..stent import AlongAxis, InputFile
 from ..treatment import Vessel, VesselName
 from ..units import Frame, are_apart, flipped
 from ..validation import InputError, Points
 from ..version import VERSION
-from ..vessel import LineEnds, with_ends_in_middle
 from .plan import Plan
 
 
@@ -105,7 +105,7 @@ def read_input_files(
         warnings += line_file.warnings
         warnings += in_same_space(surface_file, tree.points, os.fspath(centerline))
         tree, moved = with_ends_in_middle(wall, tree)
-        warnings += moved
+        warnings += (*moved, *loops_told(tree))
     elif marks.names:
         raise InputError(
             "names: expected a centerline, which tells one vessel from another, got none; give "

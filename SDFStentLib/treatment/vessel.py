@@ -123,8 +123,6 @@ class Vessel:
         turn = zigzag(tuple(self.branches.values()))
         if turn > JAGGED:
             cautions.append(Caution("jagged-line", {"turn_deg": turn}))
-        for place in self.centerline.points[self.centerline.loops[:, 1]]:
-            cautions.append(Caution("loop", dict(zip("xyz", place.tolist(), strict=True))))
         cautions += lumen_left(self.surface, self.centerline)
         ends = vessel_ends(self.surface)
         without = ends_without_line(ends, self.centerline)

@@ -15,8 +15,6 @@ from .lesions import SMALL_VESSEL as SMALL_VESSEL
 from .lesions import find_lesions as find_lesions
 from .lesions import lesion_after as lesion_after
 from .lesions import lesions_within as lesions_within
-from .line_ends import LineEnds as LineEnds
-from .line_ends import with_ends_in_middle as with_ends_in_middle
 from .marked_reference import lesion_against as lesion_against
 from .marked_reference import lesions_against as lesions_against
 from .narrowings import SMALLEST_DEGREE as SMALLEST_DEGREE

@@ -13,19 +13,12 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import BranchLumen, Centerline
 from ..geometry import Surface, norm
-from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until
-from ..validation import Floats, Indices, InputError
+from ..lumen import END_REACH, TOLERANCE, InscribedSpheres, LocalSurface, StationSearch, Until
+from ..validation import Flags, Floats, Indices, InputError
 from .runs import VesselRun
 
 _SAFELY = 1 + 1e-9
 """Factor on a radius that is enough, against rounding."""
-
-END_REACH = 1.1
-"""Radii from the end of a vessel within which the sphere may touch its cap; a tenth for a cap that
-leans or is round."""
-
-TOLERANCE = 1e-4
-"""Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
 
 
 def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:

@@ -3,6 +3,8 @@
 from .markups import decode_markups as decode_markups
 from .markups import encode_markups as encode_markups
 from .markups import new_markups as new_markups
+from .paths import decode_fcsv as decode_fcsv
+from .paths import decode_pth as decode_pth
 from .vtk_files import encode_legacy as encode_legacy
 from .vtk_files import encode_vtp as encode_vtp
 from .vtk_files import encode_vtu as encode_vtu

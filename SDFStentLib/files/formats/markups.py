@@ -134,7 +134,10 @@ def _is_place(point: dict[str, Any]) -> bool:
 
 
 def _is_placed(point: Any) -> bool:
-    return isinstance(point, dict) and point.get("positionStatus", "defined") == "defined"
+    """Whether a point was put somewhere; Slicer's places of others are empty texts, or old ones."""
+    if not isinstance(point, dict) or point.get("position") in ("", None, []):
+        return False
+    return bool(point.get("positionStatus", "defined") == "defined")
 
 
 def _unit(markup: dict[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,6 +79,10 @@ def first_of_steps(steps: int, time: str, name: str) -> Caution:
     return Caution("first-of-steps", {"steps": steps, "time": time}, label=f"{name}: ")
 
 
+ARRAYS_WITH_ONE_MORE = ("Radius",)
+"""Point arrays that VMTK's network extraction writes with one value more than there are points."""
+
+
 @dataclass(frozen=True)
 class StoredArray:
     """An array with its name.
@@ -100,6 +104,10 @@ class StoredArray:
     values: NDArray[Any] | list[bytes]
     components: int = 1
     component_names: dict[int, str] = field(default_factory=dict)
+
+    def without_last(self) -> StoredArray:
+        """The same without its last row."""
+        return replace(self, values=self.values[: -self.components or None])
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from ..recognized import in_words
 from .grid_cells import polydata_cells, reordered
 from .legacy_cursor import LegacyCursor
 from .stored_polydata import (
+    ARRAYS_WITH_ONE_MORE,
     CELL_KINDS,
     ArrayGroup,
     Damage,
@@ -218,7 +219,9 @@ class _Reader:
             if name == "NULL_ARRAY":
                 continue
             components, rows = self._cursor.count(), self._cursor.count()
-            self._add(self._array(name, rows, components, self._kind()))
+            array = self._array(name, rows, components, self._kind())
+            is_longer = self._group is self._groups["point"] and rows == self._rows + 1
+            self._add(array.without_last() if is_longer and name in ARRAYS_WITH_ONE_MORE else array)
 
     def _read_attribute(self, word: str) -> None:
         if word == "lookup_table":

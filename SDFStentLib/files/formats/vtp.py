@@ -14,6 +14,7 @@ from ...validation import InputError, in_short
 from ..content import FileContent
 from .grid_cells import polydata_cells, reordered
 from .stored_polydata import (
+    ARRAYS_WITH_ONE_MORE,
     CELL_KINDS,
     ArrayGroup,
     Damage,
@@ -195,7 +196,14 @@ class _Reader:
 
     def _array(self, element: Element, count: int | None) -> StoredArray:
         try:
-            return read_array(element, count, self.encoding)
+            try:
+                return read_array(element, count, self.encoding)
+            except Damage:
+                # VMTK's network extraction has one radius more than points; VTK leaves it out.
+                longer = None if count is None else read_array(element, count + 1, self.encoding)
+                if longer is None or longer.name not in ARRAYS_WITH_ONE_MORE:
+                    raise
+                return longer.without_last()
         except Damage as error:
             label = element.attributes.get("Name", "without a name")
             raise Damage(f"its array {in_short(label)[1:-1]}: {error}") from error

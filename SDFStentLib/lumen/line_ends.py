@@ -14,9 +14,16 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import USUAL, WIDER, Centerline, station_spacing
 from ..geometry import Line, Surface, SurfaceIndex, norm, search_tree
-from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until, flat_caps
 from ..validation import Flags, Floats, Points
-from .branch_lumen import END_REACH, TOLERANCE
+from .caps import flat_caps
+from .spheres import InscribedSpheres, LocalSurface, StationSearch, Until
+
+END_REACH = 1.1
+"""Radii from the end of a vessel within which the sphere may touch its cap; a tenth for a cap that
+leans or is round."""
+
+TOLERANCE = 1e-4
+"""Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
 
 _STATIONS = 24
 """Along a line from its end on: some four to six diameters."""
@@ -172,6 +179,12 @@ def with_ends_in_middle(
     if not moved:
         return tree, ()
     return Centerline(points, radius, tree.parent, tree.loops), tuple(moved)
+
+
+def loops_told(tree: Centerline) -> tuple[Caution, ...]:
+    """That lines of a centerline meet again, by place."""
+    places = tree.points[tree.loops[:, 1]].tolist()
+    return tuple(Caution("loop", dict(zip("xyz", place, strict=True))) for place in places)
 
 
 class _Reached(NamedTuple):
