@@ -78,13 +78,9 @@ TEMPLATES = {
         "there are not known, and beside others the healthy vessel may be a parent, or missing; "
         "give a centerline from the inlet to all ends."
     ),
-    "begins-at-wall": "A line ends at the wall, at "
-    + _AT
-    + "; {length_mm:.1f} mm were moved inward.",
-    "loop": "Lines that part meet again, a loop, at " + _AT + ": read as a tree that ends there.",
-    "line-leaves-lumen": "A line leaves the lumen, over {length_mm:.1f} mm, at "
-    + _AT
-    + "; mend it.",
+    "begins-at-wall": f"A line ends at the wall, at {_AT}; {{length_mm:.1f}} mm were moved inward.",
+    "loop": f"Lines that part meet again, a loop, at {_AT}: read as a tree that ends there.",
+    "line-leaves-lumen": f"A line leaves the lumen for {{length_mm:.1f}} mm, at {_AT}; mend it.",
     "jagged-line": (
         "The centerline goes to and fro from point to point, by {turn_deg:.0f} degrees and more: "
         "it is longer than the vessel. Lengths along it, the places and degrees of lesions and the "
@@ -99,10 +95,7 @@ TEMPLATES = {
         "The branch that ends at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed} has no outlet, its end is "
         "round; cut it flat, or close the branches."
     ),
-    "open-branch": (
-        "{name}, which leaves at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, stays open: no plane cuts "
-        "off it alone."
-    ),
+    "open-branch": f"{{name}}, which leaves at {_AT}, stays open: no plane cuts off it alone.",
     "branch-without-line": (
         "The branch that ends at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, face {name}, stays open: "
         "no line of the centerline leads there; give a centerline with all branches."
