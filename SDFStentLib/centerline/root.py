@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..geometry import Line, component_labels, nearest_distances, norm
-from ..validation import Flags, Floats, Indices, InputError, Points, as_point
+from ..validation import Flags, Floats, Indices, InputError, Points, as_point, coordinates
 from .line_graph import LineGraph, reach_of
 from .lumen_tree import USUAL
 
@@ -53,10 +53,10 @@ def root_of(
     """
     leaves = np.flatnonzero(graph.degrees() == 1)
     if not len(leaves):
-        place = ", ".join(f"{value:.4g}" for value in ends.places[0, 0])
+        place = coordinates(ends.places[0, 0])
         raise InputError(
             "centerline: expected a line with two ends, got a closed loop, which ends where it "
-            f"begins, at ({place}); take a part of it."
+            f"begins, at {place}; take a part of it."
         )
     if inlet is not None:
         return int(leaves[norm(graph.points[leaves] - as_point(inlet, "inlet")).argmin()])
