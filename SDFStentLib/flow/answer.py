@@ -86,6 +86,8 @@ class FlowAnswer(NamedTuple):
     inlets: Inlets
     inflow: dict[str, tuple[float, ...]]
     """mL/s at each of several inlets, by moment."""
+    limbs: tuple[Channel, ...]
+    """Those that part and meet again."""
     is_quasi_steady: bool
     """Whether a wave was taken as a row of steady flows."""
 
@@ -179,6 +181,7 @@ class FlowModel:
             bends_of(self.channels, self._widths),
             other_turns(self.channels, self._widths),
         )
+        self._limbs = self._tree.limbs
         self._blocks.clear()
         self._usual = self._case(USUAL)
 
@@ -240,7 +243,7 @@ class FlowModel:
         return self._as_seen(networks, steady_states(questions))
 
     def _as_seen(self, networks: Sequence[Network], states: Sequence[State]) -> Seen:
-        return Seen(self._sides, len(self._inlets.names), networks, states)
+        return Seen(self._sides, self._limbs, len(self._inlets.names), networks, states)
 
     def answer(
         self,
@@ -273,7 +276,8 @@ class FlowModel:
         # No part of a vessel gives back what is lost, but over a wave in which blood runs back.
         is_bound = np.array([known.wave is None or known.wave.back == 0, True])
         floor = np.where(is_bound, 0.0, -np.inf)[: value.shape[1], None]
-        lowest[..., 4:] = np.maximum(lowest[..., 4:], np.minimum(value[..., 4:], floor))
+        drops = 4 + len(self._limbs)
+        lowest[..., drops:] = np.maximum(lowest[..., drops:], np.minimum(value[..., drops:], floor))
         spread = np.stack([value, lowest, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         moments = [dict(zip(names, map(self._moment, state), strict=True)) for state in spread]
@@ -288,6 +292,7 @@ class FlowModel:
             usual.outlets,
             self._inlets,
             {name: self._inflow(name) for name in names},
+            tuple(self.channels[number] for number in self._limbs),
             known.wave is not None and solve is None,
         )
 
@@ -321,12 +326,14 @@ class FlowModel:
         if count > 1:
             *bands, power = bands
             bands, losses = bands[: -2 * count], bands[-2 * count :]
+        first = 4 + len(self._limbs)
         return Moment(
             bands[0] if self.known.has_pressures else None,
             None if self._sides is None else tuple(sides),
-            tuple(SpanDrop(*bands[k : k + 2]) for k in range(4, len(bands), 2)),
+            tuple(SpanDrop(*bands[k : k + 2]) for k in range(first, len(bands), 2)),
             tuple(map(InletLoss, losses[:count], losses[count:])),
             power,
+            tuple(bands[4:first]),
         )
 
 

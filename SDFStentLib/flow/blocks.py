@@ -6,7 +6,7 @@ Formulas and their sources: docs/flow.md.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from types import MappingProxyType
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Floats
-from .channels import OBLONG, Channel, Widths, outlets_of
+from .channels import OBLONG, Channel, Widths, meeting_of, outlets_of
 from .profiles import Way, layers_of, profile_of, way_of
 
 PASCAL_PER_MMHG = 133.322
@@ -45,6 +45,9 @@ STANDS = math.sqrt(8) / 3
 """What parts from the wall goes on as a parabola of area a among blood that stands. By the balances
 of momentum and energy in a vessel of area A it widens as (2 / a - 4 / (3 A)) da = 8 pi nu / Q dx.
 Its speed over the flow is sqrt(2) / a, and with that 2 a / (3 A) is STANDS / (A speed)."""
+
+SETTLED = math.sqrt(2) / STANDS
+"""Times `STANDS` over the area, the speed over the flow of a settled jet."""
 
 TURNS = 0.75
 """Hager, Mynard: part of the angle of a branch by which blood that goes into it is turned."""
@@ -95,7 +98,7 @@ class Block(NamedTuple):
     area: Floats
     """m^2."""
     beyond: float
-    """What the jet that leaves an outlet still loses behind it, as `mixing`."""
+    """What the jet that leaves an outlet, or meets others, still loses there, as `mixing`."""
     slenderness: float
     """Inertance over the density, 1/m."""
     length: float
@@ -187,11 +190,11 @@ def blocks_of(
     clings = _clings(momentum**2 * slowing, PARTS * spread * way.step)
     jets = _jets(way, (attached, clings, np.pi * spread * way.step, STANDS / area), stream)
     jet = jets.jet
-    turning = _across(way, jet, radius, stream).tolist()
+    turning = _across(way, jet, radius, stream, meeting_of(channels)).tolist()
     # The wall rubs against what moves along it: not against the dead water round a jet.
     friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
-    outlets = outlets_of(channels)
+    ends = {*outlets_of(channels), *meeting_of(channels)}
     found = []
     for number, (start, end) in enumerate(pairwise(way.starts)):
         found.append(
@@ -204,7 +207,7 @@ def blocks_of(
                 jet=jet[start:end],
                 area=area[start:end],
                 beyond=max(jet[end - 1] - math.sqrt(2) / area[end - 1], 0.0) ** 2 / 2
-                if number in outlets
+                if number in ends
                 else 0.0,
                 slenderness=float(slender[end - 1] - slender[start]),
                 length=float(way.step[start : end - 1].sum()),
@@ -251,7 +254,9 @@ def _jets(way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
         ahead = 0.0
         angles = [turns[number], *(TURNS * one for one in stream.others.get(number, ()))]
         for (above, share), turn in zip(way.feeds[number], angles, strict=False):
-            speed = rows[way.starts[above + 1] - 1][0] * flow[above] / flow[number]
+            last = way.starts[above + 1] - 1
+            jet = rows[last][0] if len(angles) == 1 else min(rows[last][0], SETTLED * stands[last])
+            speed = jet * flow[above] / flow[number]
             ahead += share * (speed * math.cos(turn))
         # Faster than the wall's blood are what comes from above, and what has parted from the wall.
         brought, parted = max(ahead - even[start], 0.0), 0.0
@@ -280,7 +285,9 @@ def _jets(way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
     return _Jets(*np.array(rows).T)
 
 
-def _across(way: Way, jet: Floats, radius: Floats, stream: Stream) -> Floats:
+def _across(
+    way: Way, jet: Floats, radius: Floats, stream: Stream, meeting: Iterable[int]
+) -> Floats:
     """What moves across (n,) where channels begin, as `Block.turning`.
 
     It is as fast as blood a radius before the end of the vessel above, if that is slower: nearer
@@ -291,6 +298,9 @@ def _across(way: Way, jet: Floats, radius: Floats, stream: Stream) -> Floats:
         to_end = np.cumsum(way.step[start:end][::-1])[::-1]
         before = start + max(np.count_nonzero(to_end >= radius[end - 1]) - 1, 0)
         speeds.append(min(jet[before], jet[end - 1]))
+    for number in meeting:
+        last = way.starts[number + 1] - 1
+        speeds[number] = min(speeds[number], math.sqrt(2) / (np.pi * radius[last] ** 2))
     above = [feeds[0][0] if feeds else -1 for feeds in way.feeds]
     share = stream.flow[above] / stream.flow
     found = (np.array(speeds)[above] * share * np.sin(TURNS * stream.turns)) ** 2 / 2

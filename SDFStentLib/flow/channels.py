@@ -13,6 +13,7 @@ from ..geometry import Line, Surface, norm
 from ..lumen import equivalent_diameters, inscribed_spheres, wall_of
 from ..validation import Floats, Indices, InputError, Points, as_place, place_words
 from ..vessel import BESIDE_TIP, VesselEnd, branch_lumens, vessel_ends
+from .limbs import joined_limbs
 
 OBLONG = 1.5
 """Times the inscribed diameter up to which the circle of a section's area may be wide: what is
@@ -90,7 +91,8 @@ def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]
             "of one tree."
         )
     lumens = joined_lumens(branch_lumens(surface, centerline))
-    found = [_refined(one) for one in lumens.stretches]
+    stretches, joins = joined_limbs(lumens.stretches, centerline)
+    found = [_refined(one)._replace(joins=joins.get(k, -1)) for k, one in enumerate(stretches)]
     lines = [one.points for one in found]
     places, ways = np.concatenate(lines), np.concatenate([Line(line).directions for line in lines])
     sections = equivalent_diameters(surface.points, wall_of(surface), places, ways)
@@ -131,6 +133,11 @@ def outlets_of(channels: Sequence[Channel]) -> list[int]:
     """The channels that end where the vessel does."""
     inner = {number for one in channels for number in (one.above, *one.also)}
     return [k for k, one in enumerate(channels) if k not in inner and one.joins < 0]
+
+
+def meeting_of(channels: Sequence[Channel]) -> set[int]:
+    """The channels at whose ends their blood meets that of others."""
+    return {number for one in channels if one.also for number in (one.above, *one.also)}
 
 
 class Widths(NamedTuple):

@@ -48,6 +48,8 @@ class Moment(NamedTuple):
     """Of several, in their order;"""
     power: Band | None = None
     """and of all together, W."""
+    limbs: tuple[Band, ...] = ()
+    """Shares of the flow through limbs that meet again."""
 
 
 def reach_of(told: Floats) -> tuple[Floats, Floats]:

@@ -301,5 +301,13 @@ class _Fit:
 
 def firm_outlets(network: Costs, shares: Floats, flow: float, most: float) -> Outlets:
     """Outlets that share up to so much flow whatever the vessel costs."""
-    lost = lost_to(network, network.tree.carried(most, shares)).max()
+    through = network.tree.carried(most, shares)
+    if len(network.tree.chords):
+        # All of it through one of the limbs that meet again would cost far more.
+        through = steady(network, _firm(network, shares, flow, through), most).flow
+    return _firm(network, shares, flow, through)
+
+
+def _firm(network: Costs, shares: Floats, flow: float, through: Floats) -> Outlets:
+    lost = lost_to(network, through).max()
     return Outlets(FIRM * max(float(lost), 1.0) / (flow * shares), 0.0)

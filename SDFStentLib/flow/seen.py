@@ -28,6 +28,7 @@ class Seen:
     def __init__(
         self,
         sides: Sides | None,
+        limbs: Sequence[int],
         inlets: int,
         networks: Sequence[Network],
         states: Sequence[State],
@@ -42,7 +43,7 @@ class Seen:
         # No shares yet: those of a moment at which blood stands still are none.
         aside = np.zeros((len(states), 3)) if sides is None else sides.flows(tree, self._flows)
         pressure = np.array([one.inlet for one in states]) / PASCAL_PER_MMHG
-        self._head = np.column_stack([pressure, aside])
+        self._head = np.column_stack([pressure, aside, self._flows[:, limbs]])
         self._into = into.reshape(self._shape)
         self._losses = np.empty((len(states), 0))
         if inlets > 1:
@@ -59,7 +60,7 @@ class Seen:
     def moments(
         self, known: Known, parts: Sequence[tuple[Piece, ...]], weights: Floats | None = None
     ) -> Floats:
-        """By case, moment and quantity: inlet, three shares, two drops for every part, and losses.
+        """By case, moment and quantity: inlet, shares of sides and limbs, drops for parts, losses.
 
         Of a wave the first states, with weights (t,), make up the mean; without weights the states
         are those of even times of a cycle.
@@ -77,7 +78,7 @@ class Seen:
             averaged = np.einsum("ctq,t->cq", every[:, cycle], weights)
             every = np.stack([averaged, every[:, peak]], axis=1)
         # Of the flow to a side counts how much goes there in a cycle; the mean flow is positive.
-        every[..., 1:4] /= into[..., None]
+        every[..., 1 : self._head.shape[1]] /= into[..., None]
         return every
 
 

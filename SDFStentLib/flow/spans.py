@@ -193,6 +193,9 @@ def drops_over(pieces: Sequence[Piece], networks: Sequence[Network], flows: Floa
         total = total + lost[:, -1:]
         of_jets = density * (loss + (divided - loss) * taken[:, [0, -1]])
         left.append(_left_in_jets(jet[:, [0, -1]], area[:, [0, -1]], q, density, of_jets))
+        if number != pieces[-1].block:  # what a jet loses where its blood meets other
+            beyond = np.array([[one.beyond] for one in blocks])
+            total = total + of_jets[:, 1:] * beyond * np.abs(q) * q
     below = np.hstack(static)
     at_ends = left[-1][:, 1:] - left[0][:, :1]
     recovered = np.maximum(total + at_ends, np.minimum(total, 0.0))

@@ -64,6 +64,18 @@ class Tree(NamedTuple):
         return np.asarray(self.ends[self.outlets, far])
 
     @property
+    def limbs(self) -> list[int]:
+        """Blocks that begin where one of a loop does and are of that loop."""
+        found: list[int] = []
+        for chord, around in zip(
+            self.chords.tolist(), self.beyond[-len(self.chords) :], strict=True
+        ):
+            start = self.ends[chord, 0]
+            beside = [k for k in np.flatnonzero(around).tolist() if start in self.ends[k]]
+            found += [k for k in (*beside, chord) if k not in found]
+        return found
+
+    @property
     def signs_of_inlets(self) -> Floats:
         """(i,) 1 for those whose block leads away from the end of the vessel."""
         first = self.order[0] == self.inlets

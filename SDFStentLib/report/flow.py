@@ -5,7 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ..flow import ADULT, L_PER_MIN, OTHERS, UNCERTAIN, Band, FlowAnswer, Inlets, Moment, Wave
+import numpy as np
+
+from ..flow import (
+    ADULT,
+    L_PER_MIN,
+    OTHERS,
+    UNCERTAIN,
+    Band,
+    Channel,
+    FlowAnswer,
+    Inlets,
+    Moment,
+    Wave,
+)
+from ..validation import place_words
 from .markup import paragraph, table
 from .words import RESEARCH_USE
 
@@ -35,6 +49,11 @@ STENTED_FONTANS = (
     "over the same with stents, of 18 mm (20 patients; Hagler et al., Congenit Heart Dis "
     "2019;14:571); of 51 narrowed lateral tunnels 18 had a gradient. A small drop does not tell "
     "that a pathway is wide enough, and no limit of the power loss is agreed on."
+)
+
+LOOPS = (
+    "Limbs of the vessel part and meet again, as at a bypass or a collateral: they are solved as "
+    "parallel ones, by friction, bends, narrowings, and the jets that are lost where they meet."
 )
 
 FIXED_SPLIT = (
@@ -106,6 +125,10 @@ def _section(answer: FlowAnswer, name: str, moment: Moment) -> dict[str, Any]:
             }
             for part, drop in zip(answer.parts, moment.drops, strict=True)
         ],
+        "limbs": [
+            {"name": _limb_name(limb), "share": _triple(band)}
+            for limb, band in zip(answer.limbs, moment.limbs, strict=True)
+        ],
         "inlets": [
             {
                 "name": inlet,
@@ -120,6 +143,12 @@ def _section(answer: FlowAnswer, name: str, moment: Moment) -> dict[str, Any]:
         "power_loss_w": _triple(moment.power),
         "indexed_power_loss": _triple(_indexed(moment.power, flow, answer.known.bsa)),
     }
+
+
+def _limb_name(limb: Channel) -> str:
+    """By its least diameter, and a place halfway."""
+    place = limb.points[len(limb.points) // 2]
+    return f"limb of {np.nanmin(limb.inscribed):.1f} mm at {place_words(place)}"
 
 
 def _indexed(power: Band | None, flow: float, bsa: float | None) -> Band | None:
@@ -232,6 +261,9 @@ def _of_moment(section: Section, moment: str, most: int | None) -> Rows:
     for side in first["share"]:
         shares = [one["share"][side] for one in found]
         rows.append((f"flow to the {side}", _change(shares, "%", 100.0)))
+    for number, limb in enumerate(first["limbs"]):
+        shares = [one["limbs"][number]["share"] for one in found]
+        rows.append((f"flow through the {limb['name']}", _change(shares, "%", 100.0)))
     for number, narrowing in enumerate(first["narrowings"][:most]):
         drops = [one["narrowings"][number] for one in found]
         words = "; ".join(
@@ -288,6 +320,8 @@ def brief(value: float) -> str:
 
 def _notes(answer: FlowAnswer) -> list[str]:
     told = _inlet_notes(answer.inlets)
+    if answer.limbs:
+        told.append(LOOPS)
     told += [] if answer.known.has_pressures else [FIXED_SPLIT]
     return [*told, *([QUASI_STEADY] if answer.is_quasi_steady else []), FLOW_NOTE]
 
