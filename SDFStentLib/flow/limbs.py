@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..centerline import Centerline, Stretch
-from ..validation import Indices
 
 
 def joined_limbs(
@@ -23,8 +22,7 @@ def joined_limbs(
         By limb the stretch at whose end it ends.
     """
     found, joins = list(stretches), dict[int, int]()
-    loops: Indices = getattr(centerline, "loops", np.empty((0, 2), dtype=np.int64))
-    for leaf, meeting in loops.tolist():
+    for leaf, meeting in centerline.loops.tolist():
         limb = _ending_at(found, centerline, leaf)
         # What has no lumen for itself is no limb.
         if limb is None:

@@ -67,9 +67,8 @@ class Tree(NamedTuple):
     def limbs(self) -> list[int]:
         """Blocks that begin where one of a loop does and are of that loop."""
         found: list[int] = []
-        for chord, around in zip(
-            self.chords.tolist(), self.beyond[-len(self.chords) :], strict=True
-        ):
+        loops = self.beyond[len(self.inlets) - 1 :]
+        for chord, around in zip(self.chords.tolist(), loops, strict=True):
             start = self.ends[chord, 0]
             beside = [k for k in np.flatnonzero(around).tolist() if start in self.ends[k]]
             found += [k for k in (*beside, chord) if k not in found]
