@@ -273,11 +273,11 @@ class FlowModel:
             solved = [self._solved(solve, one) for one in networks]
             value = np.concatenate([one.moments(known, ways) for one in solved])
         lowest = value - low
-        # No part of a vessel gives back what is lost, but over a wave in which blood runs back.
-        is_bound = np.array([known.wave is None or known.wave.back == 0, True])
-        floor = np.where(is_bound, 0.0, -np.inf)[: value.shape[1], None]
+        # No part of a vessel gives back what is lost, unless blood runs back so much that it does
+        # by one of the methods.
+        floor = np.minimum(np.minimum(told.min(axis=0), value), 0.0)
         drops = 4 + len(self._limbs)
-        lowest[..., drops:] = np.maximum(lowest[..., drops:], np.minimum(value[..., drops:], floor))
+        lowest[..., drops:] = np.maximum(lowest[..., drops:], floor[..., drops:])
         spread = np.stack([value, lowest, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         moments = [dict(zip(names, map(self._moment, state), strict=True)) for state in spread]

@@ -41,7 +41,7 @@ def flow_value(text: str, name: str = "flow", *, may_be_zero: bool = False) -> f
             f"{name}: expected a flow with its unit, such as 41.7mL/s or 2.5L/min, got "
             f"{text.strip()!r}; write {FLOW_UNITS} behind the number, without a space."
         )
-    value = float(number) * VOLUMES[volume] / TIMES[time]
+    value = float(number) * (VOLUMES[volume] / TIMES[time])
     least = {"minimum": 0} if may_be_zero else {"above": 0}
     return as_number(value, name, unit="mL/s", maximum=MOST_FLOW, **least)
 
