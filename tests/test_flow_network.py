@@ -390,6 +390,20 @@ def test_a_narrowing_behind_a_bend_costs_what_the_navier_stokes_equations_say():
         assert maximal.low < reference < maximal.high
 
 
+@pytest.mark.parametrize("flow", [1e-13, 1e-10, 1e-8])
+def test_next_to_no_flow_has_a_state_above_any_pressure(flow):
+    """Rounding of the pressure beyond outlets that resist little kept flows from staying."""
+    made = vascular_tree(8, 0.8, {1: 0.5, 4: 0.6, 8: 0.4})
+    channels = channels_of(made.surface, made.centerline)
+    network = FlowModel(channels, known_flow(30.0)).answer().networks[0]
+    outlets = Outlets(np.full(8, 200.0), 100 * MMHG)
+    for own in (flow, -flow):
+        state = steady(network, outlets, own)
+        assert state.inlet == pytest.approx(100 * MMHG, rel=1e-3)
+        through = state.flow[network.tree.outlets].sum()
+        assert through == pytest.approx(own, rel=1e-3, abs=1e-14)
+
+
 def test_an_artery_costs_what_the_navier_stokes_equations_say(data_dir):
     """docs/flow.md: by finite volumes, mmHg, of which what the jet loses is told till 11 mm."""
     surface = read_surface(data_dir / "su0243_surface_mm.vtp").surface

@@ -113,6 +113,9 @@ def steady_states(cases: Sequence[tuple[Costs, Outlets, Floats | float]]) -> lis
     wedge = np.array([[outlets.pressure] for _, outlets, _ in cases])
     inflow = np.array([flow * tree.fractions if np.ndim(flow) == 0 else flow for *_, flow in cases])
     most = np.maximum(np.abs(inflow).max(axis=1), 1e-9)
+    # Where next to nothing flows, rounding of the pressure beyond the outlets decides.
+    least = (beyond + linear[:, tree.outlets]).min(axis=1)
+    enough = np.maximum(_ENOUGH * most, 4 * np.finfo(float).eps * np.abs(wedge[:, 0]) / least)
     conductance = 1 / (beyond + linear @ tree.leads_to)
     shares = conductance / conductance.sum(axis=1)[:, None]
     flow = inflow.sum(axis=1)[:, None] * (shares @ tree.leads_to.T)
@@ -130,7 +133,7 @@ def steady_states(cases: Sequence[tuple[Costs, Outlets, Floats | float]]) -> lis
             following, inlet = _laid_over(tree, pressure, resistance, inflow)
         change = np.abs(following - flow).max(axis=1)
         flow = following
-        if (change <= _ENOUGH * most).all():
+        if (change <= enough).all():
             return [State(*one) for one in zip(tree.signs * flow, inlet.tolist(), strict=True)]
     raise InputError(
         "flow: expected a network with one steady state, got none after "
