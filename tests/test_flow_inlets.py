@@ -1,7 +1,8 @@
 """Vessels with several inlets: a Fontan circulation, and any vessel from any of its ends."""
 
 import json
-from itertools import permutations
+import re
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from test_flow_graphs import by_nodes
 from tube_files import write_vessel
 
 from SDFStentLib.cli import main
+from SDFStentLib.files import encode_vtp, polydata_from_lines
 from SDFStentLib.flow import (
     Ends,
     FlowModel,
@@ -255,7 +257,7 @@ def test_the_command_tells_what_each_caval_vein_loses_before_and_after(files, ca
     assert "power loss of the connection" in page
     assert main(["run", "plan.json", "-o", "again"]) == 0
     section = json.loads((files / "again" / "report.json").read_text(encoding="utf-8"))["flow"]
-    assert section["known"]["inlets"][0] == {"name": "IVC", "flow_ml_s": 30.0}
+    assert section["known"]["inlets"][0] == {"name": "IVC", "flow_ml_s": pytest.approx(30.0)}
     before, after = (section[state]["mean"] for state in ("before", "after"))
     assert sum(share["value"] for share in after["share"].values()) == pytest.approx(1.0)
     assert before["power_loss_w"]["value"] > after["power_loss_w"]["value"]
@@ -303,3 +305,45 @@ def test_a_vein_that_is_cut_off_is_an_inlet_in_3d(fontan, has_pressures):
             if one.kind == "resistance":
                 beyond = one.value * one.flow / (10 * MMHG)
                 assert 4.0 < beyond < 6.0
+
+
+def between(tree, start, end):
+    """Points of a line of the file from one end of a tree to another."""
+    up, down = tree.ancestry(start).tolist(), tree.ancestry(end).tolist()
+    shared = sum(one == other for one, other in zip(up, down, strict=False))
+    return [*up[: shared - 1 : -1], *down[shared - 1 :]]
+
+
+@pytest.mark.parametrize(
+    ("lines", "is_closed"),
+    [
+        ([("IVC", "RPA"), ("IVC", "LPA"), ("SVC", "RPA"), ("SVC", "LPA")], True),
+        ([("IVC", "RPA"), ("SVC", "LPA")], True),
+        ([("RPA", "IVC"), ("LPA", "SVC")], True),
+        ([("IVC", "RPA"), ("IVC", "LPA"), ("IVC", "SVC")], False),
+        ([("RPA", "IVC"), ("LPA", "IVC"), ("SVC", "IVC")], False),
+    ],
+)
+def test_another_end_where_lines_begin_is_an_inlet_that_is_closed_and_said_to_be(
+    fontan, tmp_path, monkeypatch, capsys, lines, is_closed
+):
+    write_vessel(tmp_path, fontan, "fontan.vtp", per_mm=1.0)
+    tree = fontan.centerline
+    nodes = {"IVC": int(tree.roots[0])}
+    for opening in fontan.openings[1:]:
+        away = np.linalg.norm(tree.points[tree.leaves] - opening.center, axis=1)
+        name = next(name for name, face in ENDS.items() if face == opening.face_id)
+        nodes[name] = int(tree.leaves[away.argmin()])
+    ways = [between(tree, nodes[one], nodes[other]) for one, other in lines]
+    cuts = np.cumsum([0, *map(len, ways)])
+    data = polydata_from_lines(
+        tree.points[np.concatenate(ways)],
+        [np.arange(first, last) for first, last in pairwise(cuts.tolist())],
+    )
+    (tmp_path / "line.vtp").write_bytes(encode_vtp(data))
+    monkeypatch.chdir(tmp_path)
+    assert main(["flow", "fontan.vtp", "--centerline", "line.vtp", "--mean-flow", "3L/min"]) == 0
+    told = capsys.readouterr().out
+    assert ("All blood comes in at branch to face 2; branch to face 5 is an" in told) is is_closed
+    shares = [float(one) for one in re.findall(r"flow to the .*: ([\d.]+) ", told)]
+    assert sum(shares) == pytest.approx(100.0, abs=0.2)

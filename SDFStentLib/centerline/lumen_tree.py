@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -28,6 +28,8 @@ class LumenTree:
     ----------
     lumens : sequence of Stretch
         Every one after the one above it.
+    limbs : collection of int, optional
+        Branches of the centerline that end where they meet the vessel again.
 
     Attributes
     ----------
@@ -38,11 +40,11 @@ class LumenTree:
     calibers : (k,) array
         Of the widest healthy part of what a stretch leads to, mm; 0 where nothing is known.
     outlets : list of int
-        To how many ends of the centerline it leads.
+        To how many ends of the vessel it leads; 1 for a limb.
     """
 
-    def __init__(self, lumens: Sequence[Stretch]) -> None:
-        self.lumens = lumens
+    def __init__(self, lumens: Sequence[Stretch], limbs: Collection[int] = ()) -> None:
+        self.lumens, self._limbs = lumens, limbs
         self.children: list[list[int]] = [[] for _ in lumens]
         self.roots: list[int] = []
         for number, lumen in enumerate(lumens):
@@ -70,8 +72,10 @@ class LumenTree:
     def _outlets(self) -> list[int]:
         counts = [0] * len(self.lumens)
         for number in reversed(range(len(self.lumens))):
-            counts[number] = sum(counts[child] for child in self.children[number]) or 1
-        return counts
+            # A limb that meets the vessel again is no end of it.
+            is_end = not self.children[number] and self.lumens[number].branch[-1] not in self._limbs
+            counts[number] = is_end + sum(counts[child] for child in self.children[number])
+        return [count or 1 for count in counts]
 
     def alike(self, number: int) -> list[int]:
         """The children of a stretch that may continue it: the widest and those as wide, the longest

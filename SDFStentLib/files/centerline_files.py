@@ -83,6 +83,11 @@ class LineFile:
         return copy
 
     @property
+    def ends(self) -> Points:
+        """Where its lines begin and end, (n, 2, 3) mm."""
+        return self.points[[[line[0], line[-1]] for line in self.lines if len(line)]]
+
+    @property
     def file_frame(self) -> Frame | None:
         """Frame of the file, that of `points` unless these were turned."""
         if not self.is_flipped:

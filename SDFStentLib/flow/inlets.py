@@ -5,10 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..validation import InputError
+import numpy as np
+
+from ..centerline import Centerline
+from ..validation import InputError, Points
+from ..vessel import BESIDE_TIP
 from .channels import Channel
 from .course import tips_of
 from .known import Known
+
+NEAR = 1.0
+"""mm, from an end of the tree at which a line of the file may end, where no radius is known."""
 
 LISTED = 6
 """Names of ends that a complaint lists."""
@@ -76,6 +83,25 @@ def inlets_of(channels: Sequence[Channel], known: Known, ends: Ends) -> Inlets:
         tuple(told[node] for node in order if found[node]),
         tuple(names[node][0] for node in closed),
     )
+
+
+def begun_branches(tree: Centerline, lines: Points) -> frozenset[int]:
+    """Branches at whose ends lines of the file begin, if some do at the root, and others end.
+
+    Only where all lines (n, 2, 3), by their begins and ends, lead from several ends of the tree to
+    several others; from outlets to inlets, too: inlets are the ends of the root's kind.
+    """
+    root, tips = int(tree.roots[0]), [int(tree.roots[0]), *tree.leaves.tolist()]
+    away = np.linalg.norm(lines[:, :, None] - tree.points[tips], axis=-1)
+    nearest = away.argmin(axis=2)
+    reach = BESIDE_TIP * np.nan_to_num(tree.inscribed_radius[tips])[nearest]
+    if not (away.min(axis=2) <= np.maximum(reach, NEAR)).all():
+        return frozenset()
+    begins, ends = ({tips[number] for number in column} for column in nearest.T.tolist())
+    if begins & ends or min(len(begins), len(ends)) < 2:
+        return frozenset()
+    inlets = (begins if root in begins else ends) - {root}
+    return frozenset(n for n, nodes in enumerate(tree.branches) if int(nodes[-1]) in inlets)
 
 
 def _names(branch: int, ends: Ends) -> tuple[str, ...]:

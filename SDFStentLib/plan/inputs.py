@@ -111,7 +111,9 @@ def read_input_files(
             "names: expected a centerline, which tells one vessel from another, got none; give "
             "one, or leave the names out."
         )
-    vessel = Vessel(surface_file.surface, tree, marks.reference, surface_file.faces, marks.names)
+    lines = None if line_file is None else line_file.ends
+    faces, names = surface_file.faces, marks.names
+    vessel = Vessel(surface_file.surface, tree, marks.reference, faces, names, lines)
     _ = vessel.given_names  # names that cannot be meant fail here rather than in the end
     return InputFiles(surface_file, line_file, vessel, warnings, perf_counter() - start)
 

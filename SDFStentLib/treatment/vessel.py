@@ -12,7 +12,7 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import JAGGED, Centerline, zigzag
 from ..certificate import SurfaceCheck, check_surface
-from ..flow import Channel, FollowedChannels, channels_of
+from ..flow import Channel, FollowedChannels, begun_branches, channels_of
 from ..geometry import Line, NamedFaces, Precision, Surface
 from ..lumen import DiameterProfile, diameter_profile
 from ..stent import AtCenter, AtDistalEnd, Stent
@@ -50,6 +50,8 @@ class Vessel:
         Of the wall; they name the branches.
     names : tuple of VesselName
         What the user calls its vessels; they come first.
+    lines : (n, 2, 3) array or None
+        Begins and ends of the lines of which the centerline was made, mm.
     """
 
     surface: Surface
@@ -57,6 +59,7 @@ class Vessel:
     reference: tuple[Points, ...] = ()
     faces: NamedFaces | None = None
     names: tuple[VesselName, ...] = ()
+    lines: Points | None = None
 
     @property
     def root(self) -> Points | None:
@@ -132,8 +135,10 @@ class Vessel:
 
     @property
     def begun(self) -> frozenset[int]:
-        """Branches at whose ends lines of the file begin, as at the root."""
-        return frozenset()
+        """`begun_branches` by its lines; none without."""
+        if self.centerline is None or self.lines is None:
+            return frozenset()
+        return begun_branches(self.centerline, self.lines)
 
     @cached_property
     def channels(self) -> tuple[Channel, ...]:

@@ -14,6 +14,7 @@ from ..validation import Floats, InputError, Place, as_place, in_short, place_wo
 from .branch_lumen import tree_lumen
 from .branch_names import faces_at_ends
 from .runs import VesselRun, is_main, vessel_runs
+from .tree_around import limbs_of
 
 
 class VesselName(NamedTuple):
@@ -61,7 +62,7 @@ def given_names(
     """
     if not names:
         return ()
-    runs = vessel_runs(tree_lumen(surface, centerline).rough)
+    runs = vessel_runs(tree_lumen(surface, centerline).rough, limbs_of(centerline))
     marked: dict[int, str] = {}
     for one in names:
         label = f"names: {one.name!r}"

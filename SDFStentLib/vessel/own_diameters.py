@@ -18,6 +18,7 @@ from ..validation import Indices
 from .branch_lumen import tree_lumen
 from .narrowings import may_be_narrowed
 from .runs import VesselRun, vessel_runs
+from .tree_around import limbs_of
 
 _ROUGHLY = 0.05
 """Of the reference by which a narrowing may be deeper than rough spheres tell."""
@@ -29,7 +30,7 @@ def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[Vessel
     And the numbers of those that may have a narrowing. Errors as of `branch_lumens`.
     """
     tree = tree_lumen(surface, centerline)
-    runs, wall = vessel_runs(tree.rough), tree.spheres.surface
+    runs, wall = vessel_runs(tree.rough, limbs_of(centerline)), tree.spheres.surface
     stations = [tree.stations_of(run) for run in runs]
     own = _own(wall, runs, [tree.spheres.rough.at(which) for which in stations])
     asked = [number for number, run in enumerate(own) if may_be_narrowed(run, _ROUGHLY)]

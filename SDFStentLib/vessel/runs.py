@@ -7,7 +7,7 @@ it leads to: a lesion at its begin makes it no side branch of the vessel that it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -79,9 +79,12 @@ class VesselRun(NamedTuple):
         return self.line.points
 
 
-def vessel_runs(lumens: Sequence[BranchLumen]) -> list[VesselRun]:
-    """The vessels of a tree, every branch in one of them, parents before what leaves them."""
-    tree = LumenTree(joined_lumens(lumens).stretches)
+def vessel_runs(lumens: Sequence[BranchLumen], limbs: Collection[int] = ()) -> list[VesselRun]:
+    """The vessels of a tree, every branch in one of them, parents before what leaves them.
+
+    `limbs` as of `LumenTree`.
+    """
+    tree = LumenTree(joined_lumens(lumens).stretches, limbs)
     found: list[VesselRun] = []
     waiting = [(number, -1) for number in tree.roots]
     # Ends: every branch waits once at most.

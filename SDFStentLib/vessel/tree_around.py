@@ -49,9 +49,20 @@ def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
 
 
 def outlets_of(tree: Centerline) -> Indices:
-    """To how many leaves every point of a tree leads."""
-    ways = [tree.ancestry(int(leaf)) for leaf in tree.leaves]
-    return np.bincount(np.concatenate(ways), minlength=len(tree.points))
+    """To how many ends of the vessel every point of a tree leads, of limbs where they meet it."""
+    ends = np.setdiff1d(tree.leaves, tree.loops[:, 0])
+    ways = [tree.ancestry(int(leaf)) for leaf in ends]
+    found: Indices = np.bincount(np.concatenate(ways), minlength=len(tree.points))
+    for leaf, meeting in tree.loops.tolist():
+        way = tree.ancestry(leaf)
+        found[way[found[way] == 0]] = max(int(found[meeting]), 1)
+    return found
+
+
+def limbs_of(tree: Centerline) -> frozenset[int]:
+    """The branches of a tree that end where they meet the vessel again."""
+    ends = set(tree.loops[:, 0].tolist())
+    return frozenset(n for n, nodes in enumerate(tree.branches) if int(nodes[-1]) in ends)
 
 
 def place_of(tree: Centerline, index: int) -> Location:
