@@ -10,6 +10,8 @@ from .caps import wall_of as wall_of
 from .closed_ends import OpenWall as OpenWall
 from .closed_ends import open_at_ends as open_at_ends
 from .cross_section import equivalent_diameters as equivalent_diameters
+from .ends import are_ends as are_ends
+from .ends import spot as spot
 from .expected_wall import FARTHEST as FARTHEST
 from .expected_wall import Tube as Tube
 from .expected_wall import across_alone as across_alone

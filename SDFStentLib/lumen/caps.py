@@ -15,14 +15,17 @@ from numpy.typing import NDArray
 from ..cautions import Caution
 from ..geometry import (
     Surface,
+    boundary_edges,
     connected,
     dot,
+    face_areas,
     face_normals,
     may_meet_box,
     paired_sides,
     product,
 )
 from ..validation import Flags, Floats, Place, Points, Triangles, as_place
+from .ends import Spot, are_ends, spot
 
 FLAT = np.cos(np.deg2rad(1.0))
 """Faces whose normals differ by less lie in one plane."""
@@ -38,6 +41,9 @@ ACROSS = np.cos(np.deg2rad(30.0))
 """Cosine between an axis and the normal of a cap that counts as across it."""
 
 FEWEST_FACES = 6
+_IN_ONE_PLANE = 2
+"""So many faces tell that something is flat: one always is."""
+
 NOTICEABLE = 0.05
 """Motion out of the plane, mm, that is worth a word."""
 
@@ -72,12 +78,15 @@ class FlatCap(NamedTuple):
 
 
 def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
-    """Flat spots with a steep rim among some faces (m, 3), in the order of their first faces."""
-    return _flat_spots(points, faces, face_normals(points, faces))
+    """Flat spots with a steep rim among some faces (m, 3), in the order of their first faces.
+
+    Some faces do not tell which of these are ends of the vessel; `caps_of` does.
+    """
+    return _flat_spots(points, faces, face_normals(points, faces), FEWEST_FACES)
 
 
-def _flat_spots(points: Points, faces: Triangles, normals: Floats) -> list[FlatCap]:
-    if len(faces) < FEWEST_FACES:
+def _flat_spots(points: Points, faces: Triangles, normals: Floats, fewest: int) -> list[FlatCap]:
+    if len(faces) < fewest:
         return []
     pairs = paired_sides(faces) // 3
     cosine = dot(normals.take(pairs[:, 0], axis=0), normals.take(pairs[:, 1], axis=0))
@@ -92,7 +101,7 @@ def _flat_spots(points: Points, faces: Triangles, normals: Floats) -> list[FlatC
     steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=count)
     # Every triangle of a mesh that was subdivided is a flat spot: most are left out before the
     # faces of each are gathered.
-    is_spot = (size >= FEWEST_FACES) & (steep > 0.8 * rim)
+    is_spot = (size >= fewest) & (steep > 0.8 * rim)
     chosen = np.flatnonzero(is_spot.take(label))
     chosen = chosen[np.argsort(label[chosen], kind="stable")]
     spots = label[chosen]
@@ -112,11 +121,26 @@ def _box(corners: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def caps_of(surface: Surface) -> list[FlatCap]:
-    """`flat_caps` of a whole surface, looked for once for as long as it is in use."""
+    """The flat caps that are ends of a whole surface, in the order of their first faces.
+
+    Looked for once for as long as it is in use; `are_ends` tells them from spots of the wall.
+    """
     if (found := _known.get(surface)) is None:
-        found = _flat_spots(surface.points, surface.triangles, surface.face_normals)
+        points, triangles = surface.points, surface.wound_triangles
+        is_own = triangles is surface.triangles
+        normals = surface.face_normals if is_own else face_normals(points, triangles)
+        spots = _flat_spots(points, triangles, normals, _IN_ONE_PLANE)
+        is_end = are_ends(surface, [_as_spot(points, triangles, cap) for cap in spots])
+        found = [cap for cap, is_known in zip(spots, is_end, strict=True) if is_known]
         _known[surface] = found
     return found
+
+
+def _as_spot(points: Points, triangles: Triangles, cap: FlatCap) -> Spot:
+    own = triangles[cap.faces]
+    areas = face_areas(points, own)
+    center = (areas[:, None] * points[own].mean(axis=1)).sum(axis=0) / areas.sum()
+    return spot(points, boundary_edges(own), cap.normal, cap.faces, center)
 
 
 def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool_]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..geometry import Surface, connected
 from ..validation import Floats, Indices, Points
-from .caps import FEWEST_FACES, caps_of
+from .caps import caps_of
 from .expected_wall import Tube
 from .wall_map import RAYS
 
@@ -154,7 +154,7 @@ class _Cap(NamedTuple):
 def _caps_beyond(surface: Surface, tube: Tube, part_of_triangle: Indices) -> list[_Cap]:
     """A cap in the way of the tube closes the tube itself; an edge of it may lie beyond."""
     beyond = (cap.faces[part_of_triangle[cap.faces] > 0] for cap in caps_of(surface))
-    caps = [faces for faces in beyond if len(faces) >= FEWEST_FACES]
+    caps = [faces for faces in beyond if len(faces)]
     middles = [surface.points[surface.triangles[faces]].mean(axis=(0, 1)) for faces in caps]
     relative, _ = _seen_from(np.reshape(middles, (-1, 3)), tube)
     return [

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Surface, boundary_edges, compacted, component_labels, norm, places_in_plane
-from ..lumen import flat_caps
+from ..lumen import are_ends, caps_of, spot
 from ..validation import Indices, InputError, Points, as_points
 
 BESIDE = 10.0
@@ -58,7 +58,7 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     """
     triangles = surface.wound_triangles
     cap_of = np.full(len(triangles), -1)
-    for number, cap in enumerate(flat_caps(surface.points, triangles)):
+    for number, cap in enumerate(caps_of(surface)):
         cap_of[cap.faces] = number
     rims = boundary_edges(triangles[cap_of < 0])
     used, corners = np.unique(rims, return_inverse=True)
@@ -72,7 +72,12 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
         is_at_rim = (loop_of[triangles[capped]] == number).any(axis=1)
         faces = capped[np.isin(cap_of[capped], cap_of[capped[is_at_rim]])]
         found.append(_end(surface.points, rims[loop == number], faces))
-    return sorted(found, key=lambda end: -end.radius)
+    # A cap is known to be an end; a hole may be one in the wall.
+    holes = [end for end in found if not len(end.faces)]
+    spots = [spot(surface.points, end.rim, end.across, end.faces, end.center) for end in holes]
+    ends = [end for end in found if len(end.faces)]
+    ends += [end for end, is_own in zip(holes, are_ends(surface, spots), strict=True) if is_own]
+    return sorted(ends, key=lambda end: -end.radius)
 
 
 def ends_without_line(ends: Sequence[VesselEnd], tree: Centerline) -> int:

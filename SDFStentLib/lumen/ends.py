@@ -1,0 +1,130 @@
+"""Whether a flat spot or a rim is where a vessel ends, or only a spot or a hole in its wall.
+
+A vessel ends over its whole width, and goes on from there: as deep below an end as it is wide, a
+sphere hardly wider meets the wall; and from its middle the lumen reaches farther than the end does.
+The facets of a coarse wall, its steps and its slivers fail one or the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import Surface, SurfaceIndex, closest_on_segments, norm
+from ..validation import Flags, Floats, Indices, Points
+
+ABOUT = 1.5
+"""A spot is about as wide as the lumen where the lumen is not so many times wider."""
+
+_DEPTH = 2.0
+"""That is looked at so many of the spot's narrow radii below it, as deep as it is wide."""
+
+_INWARD = np.cos(np.deg2rad(60.0))
+"""A vessel that is cut askew goes on within this angle of the spot's normal."""
+
+_RAYS = 64
+_BELOW = 0.01
+"""Share of a spot's narrow radius at which it is looked at which side of it is within."""
+
+_ON_EDGE = 1e-9
+
+
+class Spot(NamedTuple):
+    """A flat part of a surface, or a rim, that may be an end of the vessel."""
+
+    center: Floats
+    """(3,) mm."""
+    across: Floats
+    """(3,) unit vector across it, to any side."""
+    narrow: float
+    """From the center to the nearest place of its border, mm,"""
+    wide: float
+    """and to the farthest."""
+    faces: Indices
+    """Triangles of the surface that lie in it."""
+
+
+def spot(points: Points, rim: Indices, across: Floats, faces: Indices, center: Floats) -> Spot:
+    """The spot with this border, edges (k, 2) of a surface."""
+    start, stop = points[rim[:, 0]], points[rim[:, 1]]
+    places = closest_on_segments(start, stop, center[None])
+    narrow = float(places.distances[0])
+    return Spot(center, across, narrow, float(norm(start - center).max()), faces)
+
+
+def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
+    """Which spots (k,) of a surface are ends of the vessel."""
+    found = np.zeros(len(spots), dtype=bool)
+    own = [number for number, one in enumerate(spots) if one.narrow > 0]
+    if not own:
+        return found
+    centers = np.array([spots[i].center for i in own])
+    across = np.array([spots[i].across for i in own])
+    narrow = np.array([spots[i].narrow for i in own])
+    step = _BELOW * narrow[:, None] * across
+    within, beyond = surface.contains(centers - step), surface.contains(centers + step)
+    inward = np.where(within, -1.0, 1.0)[:, None] * across
+    index = SurfaceIndex(surface.points, surface.triangles)
+    spot_of = np.full(len(surface.triangles), -1)
+    for place, number in enumerate(own):
+        spot_of[spots[number].faces] = place
+    middles = centers + _DEPTH * narrow[:, None] * inward
+    spans = (within != beyond) & _meet_wall(index, spot_of, middles, ABOUT * narrow)
+    for row in np.flatnonzero(spans).tolist():
+        wall = _near(index, spot_of, row, centers[row], 2 * spots[own[row]].wide)
+        found[own[row]] = _goes_on(wall, centers[row], inward[row], 2 * spots[own[row]].wide)
+    return found
+
+
+def _meet_wall(index: SurfaceIndex, spot_of: Indices, middles: Points, radii: Floats) -> Flags:
+    """Which spheres (k,), each below the spot of its number, meet wall that is not the spot's."""
+    query, triangle, _ = index.near(middles, radii)
+    is_wall = spot_of[triangle] != query
+    query, triangle = query[is_wall], triangle[is_wall]
+    away = norm(index.closest_points(middles[query], triangle) - middles[query])
+    found = np.zeros(len(middles), dtype=bool)
+    found[query[away < radii[query]]] = True
+    return found
+
+
+def _near(
+    index: SurfaceIndex, spot_of: Indices, number: int, center: Floats, reach: float
+) -> Floats:
+    """Corners (j, 3, 3) of the triangles near a spot that are not its own."""
+    triangle = index.near(center[None], np.array([reach])).triangle
+    return index.corners[triangle[spot_of[triangle] != number]]
+
+
+def _goes_on(corners: Floats, center: Floats, inward: Floats, reach: float) -> bool:
+    """Whether any straight way from the center of a spot into the lumen is so long.
+
+    Ways meet triangles (j, 3, 3) as in Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle
+    Intersection, J Graph Tools 2 (1997).
+    """
+    ways = _cone(inward)
+    first = corners[:, 0]
+    u, v = corners[:, 1] - first, corners[:, 2] - first
+    from_first = center - first
+    normal = np.cross(u, v)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = -1.0 / (ways @ normal.T)
+        s = (ways @ np.cross(v, from_first).T) * scale
+        t = (ways @ np.cross(from_first, u).T) * scale
+        length = (from_first * normal).sum(axis=1) * scale
+        is_met = (s >= -_ON_EDGE) & (t >= -_ON_EDGE) & (s + t <= 1 + _ON_EDGE)
+        is_met &= (length > 0) & (length <= reach)
+    return not bool(is_met.any(axis=1).all())
+
+
+def _cone(inward: Floats) -> Points:
+    """Directions (_RAYS, 3) evenly over a cone: a spiral of Fibonacci."""
+    number = np.arange(_RAYS)
+    height = 1 - (1 - _INWARD) * number / (_RAYS - 1)
+    turn = number * np.pi * (3 - np.sqrt(5.0))
+    side = np.cross(inward, np.eye(3)[np.abs(inward).argmin()])
+    side /= np.linalg.norm(side)
+    aside = np.sqrt(1 - height**2)[:, None]
+    round_it = np.cos(turn)[:, None] * side + np.sin(turn)[:, None] * np.cross(inward, side)
+    return height[:, None] * inward + aside * round_it
