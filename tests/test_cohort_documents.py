@@ -15,8 +15,10 @@ from child_processes import PROJECT, begun, ended
 from cohort_cases import bytes_of, tube_folder, write_sweep
 from tube_files import write_tube
 
+from SDFStentLib.certificate import NOT_READY, said_of
 from SDFStentLib.cli import main
 from SDFStentLib.cohort import Cohort, Tally, sweep_from_document
+from SDFStentLib.cohort.worker import Outcome
 
 TEXT = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")
 
@@ -167,13 +169,24 @@ def test_a_terminal_shows_counts_rate_and_time_left(there, capsys, monkeypatch):
 
 def test_the_counts_tell_rate_and_time_left_of_this_run_alone():
     tally = Tally(
-        total=1000, certified=90, uncertified=3, excluded=5, failed=2, found=50, seconds=25
+        total=1000,
+        certified=90,
+        uncertified=2,
+        unready=1,
+        excluded=5,
+        failed=2,
+        found=50,
+        seconds=25,
     )
     assert (tally.finished, tally.fraction, tally.rate) == (100, 0.1, 2)
     assert tally.seconds_left == 450
     note = (
-        "90 certified for meshing, 2 failed, 3 not certified for meshing, 5 excluded, 2/s, "
-        "8 min left"
+        "90 certified for meshing, 2 failed, 1 no worse than before, not ready for a mesher, "
+        "2 not certified for meshing, 5 excluded, 2/s, 8 min left"
     )
     assert tally.note() == note
+    unready = Outcome("1", "done", False, f"{said_of(NOT_READY)}: it is not manifold.")
+    others = Outcome("2", "done", False, "Surface not certified for meshing: it has folds.")
+    counted = Tally(10).counted(unready).counted(others)
+    assert (counted.unready, counted.uncertified, counted.finished) == (1, 1, 2)
     assert Tally(10).note() == "0 certified for meshing, 0 failed"

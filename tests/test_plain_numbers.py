@@ -13,8 +13,9 @@ from SDFStentLib.files.same_space import size_warnings
 from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.report.diameters import filed_point
+from SDFStentLib.stent import AtCenter, Stent, stent_axis
 from SDFStentLib.units import told_place
-from SDFStentLib.validation import place_words, plain
+from SDFStentLib.validation import InputError, place_words, plain
 
 ABSURD = re.compile(r"\de[+-]?\d|(?<![\d.])-0(\.0+)?(?![\d.])|nan|\binf\b")
 
@@ -51,6 +52,13 @@ def test_places_are_told_without_an_exponent():
     place = np.array([-1e-17, 123456.0, -0.0])
     for told in (place_words(place), told_place(tuple(place), "m"), filed_point(place, "cm")):
         assert not ABSURD.search(told), told
+
+
+def test_a_placement_far_away_is_refused_with_a_plain_distance():
+    tube = straight_tube()
+    with pytest.raises(InputError, match=r"centerline, got .* 9[89]\d0 mm away") as raised:
+        stent_axis(Stent(6.0, placement=AtCenter([9876.5, 0, 0]), length=9), tube.centerline)
+    assert not ABSURD.search(str(raised.value))
 
 
 def test_a_sheet_that_holds_nothing_is_not_told_to_be_a_hair_wide():

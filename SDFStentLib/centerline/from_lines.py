@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..geometry import nearest_distances, norm, search_tree
-from ..validation import Flags, Floats, Indices, InputError, Points, as_points, coordinates
+from ..validation import Flags, Floats, Indices, InputError, Points, as_points, coordinates, plain
 from .chains import thinned
 from .line_graph import WELD_EXTENT, LineGraph, near_pairs, reach_of, welded
 from .loops import opened_where_they_meet
@@ -158,10 +158,11 @@ def _refuse_gap(graph: LineGraph, labels: Indices, reach: Floats) -> None:
     closest = distances.argmin()
     here, there = outside[closest], inside[nearest[closest]]
     place = (graph.points[here] + graph.points[there]) / 2
+    gap, bridged = plain(distances[closest], ".3g"), plain(max(reach[here], reach[there]), ".3g")
     raise InputError(
         f"centerline: expected connected lines, got {labels.max() + 1} pieces with a gap of "
-        f"{distances[closest]:.3g} mm at {coordinates(place)}, wider "
-        f"than the {max(reach[here], reach[there]):.3g} mm that are bridged there; connect the "
+        f"{gap} mm at {coordinates(place)}, wider "
+        f"than the {bridged} mm that are bridged there; connect the "
         "lines or give one piece only."
     )
 

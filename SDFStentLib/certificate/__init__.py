@@ -8,6 +8,7 @@ from .certificate import NOT_READY as NOT_READY
 from .certificate import Certificate as Certificate
 from .certificate import certificate_of as certificate_of
 from .certificate import certify as certify
+from .certificate import said_of as said_of
 from .comparison import Comparison as Comparison
 from .comparison import Verdict as Verdict
 from .face_quality import smallest_angles as smallest_angles

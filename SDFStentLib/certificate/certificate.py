@@ -33,6 +33,11 @@ NOT_CERTIFIED = "not certified for meshing"
 """What a surface is called wherever its certificate is told: it says nothing of the treatment."""
 
 
+def said_of(word: str) -> str:
+    """How the sentence of a certificate begins whose word it is."""
+    return f"Surface {word}"
+
+
 @dataclass(frozen=True)
 class Certificate:
     """What `certify` found.
@@ -112,14 +117,16 @@ class Certificate:
         """
         if not self.is_no_worse:
             faults = [*self._faults(units), *self.fitness.lasting_in_words()]
-            return f"Surface {self.word}: it has {'; '.join(faults)}."
+            return f"{said_of(self.word)}: it has {'; '.join(faults)}."
         wide = f"; {lumen_in_words(self.lumen, units)}" if self.lumen else ""
         if not self.passed:
             found = f"it {self.fitness.in_words(units)}, as before"
-            return f"Surface {self.word}: {found}; repair the input before meshing{wide}."
+            return f"{said_of(self.word)}: {found}; repair the input before meshing{wide}."
         shape = self.topology.in_words()
         inward = "; its triangles face inward, as they did" if self.fitness.is_inside_out else ""
-        return f"Surface {self.word}: it is {shape}, as it was, and has no new fault{inward}{wide}."
+        return (
+            f"{said_of(self.word)}: it is {shape}, as it was, and has no new fault{inward}{wide}."
+        )
 
     def cautions(self) -> tuple[Caution, ...]:
         """What is no fault, but has to be known before meshing."""

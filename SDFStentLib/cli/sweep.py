@@ -95,7 +95,7 @@ def _run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
     console.say(f"Wrote {options.output} in {duration_in_words(tally.seconds)}.")
     if tally.failed:
         return INCOMPLETE
-    return NOT_CERTIFIED if tally.uncertified else DONE
+    return NOT_CERTIFIED if tally.uncertified or tally.unready else DONE
 
 
 class _Watcher:
@@ -153,9 +153,8 @@ def _end_now() -> None:
 
 
 def _counts(tally: Tally) -> str:
-    parts = [f"{tally.certified} certified for meshing"]
+    parts = tally.verdicts
     for count, words in (
-        (tally.uncertified, "not certified for meshing"),
         (tally.unjudged, "not judged, as the plan says"),
         (tally.excluded, "excluded by the constraints"),
         (tally.failed, "failed, the manifest says why"),

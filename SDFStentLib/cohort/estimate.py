@@ -10,6 +10,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
+from ..certificate import CERTIFIED, NOT_CERTIFIED, NOT_READY, said_of
 from ..validation import InputError
 from .cases import Cases
 from .store import PROGRESS, Store, as_json
@@ -76,8 +77,9 @@ class Tally:
     ----------
     total : int
         Cases of the sweep.
-    certified, uncertified, unjudged, excluded, failed : int
-        Of those that are finished; unjudged are those of a plan that asks for no certificate.
+    certified, unready, uncertified, unjudged, excluded, failed : int
+        Of those that are finished; unready are those no worse than a surface that was never ready
+        for a mesher, unjudged those of a plan that asks for no certificate.
     found : int
         Of the finished ones, those that were whole when this run began.
     seconds : float
@@ -87,6 +89,7 @@ class Tally:
 
     total: int
     certified: int = 0
+    unready: int = 0
     uncertified: int = 0
     unjudged: int = 0
     excluded: int = 0
@@ -98,7 +101,7 @@ class Tally:
     @property
     def finished(self) -> int:
         """Cases that something has come of."""
-        done = self.certified + self.uncertified + self.unjudged
+        done = self.certified + self.unready + self.uncertified + self.unjudged
         return done + self.excluded + self.failed
 
     @property
@@ -121,13 +124,21 @@ class Tally:
         name = outcome.status
         if name == "done":
             name = _VERDICTS[outcome.certified]
+        if name == "uncertified" and outcome.reason.startswith(said_of(NOT_READY)):
+            name = "unready"
         return replace(self, **{name: getattr(self, name) + 1})
+
+    @property
+    def verdicts(self) -> list[str]:
+        """How many got which word of a certificate; the first is there also of none."""
+        others = (self.unready, NOT_READY), (self.uncertified, NOT_CERTIFIED)
+        told = [f"{count} {word}" for count, word in others if count]
+        return [f"{self.certified} {CERTIFIED}", *told]
 
     def note(self) -> str:
         """What stands behind the bar."""
-        parts = [f"{self.certified} certified for meshing", f"{self.failed} failed"]
-        if self.uncertified:
-            parts.append(f"{self.uncertified} not certified for meshing")
+        certified, *others = self.verdicts
+        parts = [certified, f"{self.failed} failed", *others]
         if self.unjudged:
             parts.append(f"{self.unjudged} not judged")
         if self.excluded:

@@ -136,7 +136,8 @@ class _Run:
             rows = known["rows"]
             certified = rows[0].get("certified") if rows else None
             certified = None if certified == "" else certified
-            self.tally = self.tally.counted(Outcome(case.id, known["status"], certified))
+            outcome = Outcome(case.id, known["status"], certified, known["reason"])
+            self.tally = self.tally.counted(outcome)
         return left
 
     def carry_out(self, tasks: list[Task]) -> None:

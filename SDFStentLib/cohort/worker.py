@@ -66,6 +66,8 @@ class Outcome(NamedTuple):
     status: str
     """`done`, `excluded` or `failed`."""
     certified: bool | None = None
+    reason: str = ""
+    """Why it is not done, or not certified."""
 
 
 def run_case(task: Task) -> Outcome:
@@ -105,7 +107,7 @@ def run_case(task: Task) -> Outcome:
         times = _times(started, seconds, perf_counter() - clock)
         store.write_case(folder, _known(task, status, reason, result), times)
     certified = None if result is None or result.treatment.certificate is None else not reason
-    return Outcome(task.case.id, status, certified)
+    return Outcome(task.case.id, status, certified, reason)
 
 
 def write_failure(store: Store, task: Task, reason: str) -> Outcome:

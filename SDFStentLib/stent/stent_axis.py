@@ -10,7 +10,17 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
 from ..geometry import Line, tightest_bend
-from ..validation import Floats, InputError, Points, as_place, check_is_a, place_words, read_only
+from ..validation import (
+    Floats,
+    InputError,
+    Points,
+    as_place,
+    check_is_a,
+    coordinates,
+    place_words,
+    plain,
+    read_only,
+)
 from .placement import (
     AlongAxis,
     AtCenter,
@@ -235,11 +245,11 @@ def _placed(centerline: Centerline, point: Floats, name: str) -> Location:
     limit = FARTHEST_PLACEMENT * place.inscribed_radius if known else FARTHEST_PLACEMENT_UNKNOWN
     if place.distance > limit:
         raise InputError(
-            f"{name}: expected a point within {limit:.3g} mm of the centerline, got "
+            f"{name}: expected a point within {plain(limit, '.3g')} mm of the centerline, got "
             f"{place_words(point)}",
             place=as_place(point),
-            end=f", {place.distance:.3g} mm away; check the point, its unit (mm, cm) and its frame "
-            "(RAS, LPS).",
+            end=f", {plain(place.distance, '.3g')} mm away; check the point, its unit (mm, cm) "
+            "and its frame (RAS, LPS).",
         )
     return place
 
@@ -269,7 +279,7 @@ def _require_length(line: Line) -> None:
         place = line.points[0]
         raise InputError(
             "stent axis: expected some length of centerline for the stent, got none at "
-            f"({place[0]:.4g}, {place[1]:.4g}, {place[2]:.4g}); move the point away from the end "
+            f"{coordinates(place)}; move the point away from the end "
             "of the centerline, or the two points apart."
         )
 

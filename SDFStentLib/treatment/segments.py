@@ -23,7 +23,7 @@ from ..segment import (
     segment_between,
     segment_ends,
 )
-from ..validation import DeploymentError, InputError, Points, as_place
+from ..validation import DeploymentError, InputError, Points, as_place, plain
 from ..vessel import VesselParts, vessel_parts
 from .vessel import Vessel
 from .warnings import WIDEST
@@ -126,8 +126,8 @@ def _treated(native: OpenSegment, parts: VesselParts) -> OpenSegment:
     ):
         raise InputError(
             f"treated segment: expected an end that is at most {WIDEST:g} times as "
-            f"wide or narrow as before ({native.areas[0]:.3g} mm2), got {treated.areas[0]:.3g} "
-            f"mm2; {_SAME_VESSEL}."
+            f"wide or narrow as before ({plain(native.areas[0], '.3g')} mm2), "
+            f"got {plain(treated.areas[0], '.3g')} mm2; {_SAME_VESSEL}."
         )
     return treated
 

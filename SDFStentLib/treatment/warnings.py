@@ -11,7 +11,7 @@ from ..cautions import Caution
 from ..geometry import Line, Surface, nearest_distances
 from ..lumen import DiameterProfile, off_caps
 from ..stent import StentAxis
-from ..validation import InputError, Points
+from ..validation import InputError, Points, plain
 from ..vessel import NeighborLumen
 from .branches import branches_beside
 from .lesions import TreatedLesion
@@ -62,8 +62,9 @@ def check_width(
     lumen = 2 * float(radii.max())
     if diameter > WIDEST * lumen:
         raise InputError(
-            f"stent diameter: expected at most {WIDEST:g} times the lumen of {lumen:.3g} mm where "
-            f"it lies, got {diameter:g} mm; check the diameter, and the unit of the files",
+            f"stent diameter: expected at most {WIDEST:g} times the lumen of "
+            f"{plain(lumen, '.3g')} mm where it lies, got {diameter:g} mm; check the "
+            "diameter, and the unit of the files",
             "units",
             end=".",
         )
