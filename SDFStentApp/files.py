@@ -13,20 +13,25 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from SDFStentLib.files import (
     ID_ARRAY,
     NAME_ARRAY,
-    VTK_LINE_SUFFIXES,
+    LineFile,
     SurfaceFile,
     read_lines,
     set_face_names,
 )
+from SDFStentLib.line_formats import LINE_INPUTS
 from SDFStentLib.plan import load_plan, read_input_files
 from SDFStentLib.surface_formats import READ_SUFFIXES, WHOLE_SUFFIXES, WRITTEN_SUFFIXES
+from SDFStentLib.units import Frame
 from SDFStentLib.validation import InputError
 
 from .chunks import LARGEST_UPLOAD
 
 SURFACES = READ_SUFFIXES
-CENTERLINES = VTK_LINE_SUFFIXES
+CENTERLINES = LINE_INPUTS
 PLANS = (".json",)
+SENT = tuple(dict.fromkeys((*WHOLE_SUFFIXES, *CENTERLINES, *PLANS)))
+"""Ends of files that a browser may send, each once."""
+
 DEEPEST, MOST = 4, 400
 """Folders below a named one, and files, that are listed."""
 
@@ -49,9 +54,9 @@ class Uploads:
     def kept(self, name: Any, content: Any) -> Path:
         """Keep a file under its own name. Raises `InputError` for what is none that a page can open."""
         path = self.folder / Path(str(name)).name
-        if path.suffix.lower() not in (*WHOLE_SUFFIXES, *PLANS, ".csv"):
+        if not ends_in(path, (*SENT, ".csv")):
             raise InputError(
-                f"{path.name}: expected a file that ends in {', '.join((*WHOLE_SUFFIXES, *PLANS))}, got another; convert it."
+                f"{path.name}: expected a file that ends in {', '.join(SENT)}, got another; convert it."
             )
         if not isinstance(content, bytes) or not 0 < len(content) <= LARGEST_UPLOAD:
             raise InputError(
@@ -63,10 +68,17 @@ class Uploads:
         return path
 
 
+def ends_in(path: Path, suffixes: tuple[str, ...]) -> bool:
+    """Whether a file has one of some ends, which may have several dots."""
+    return path.name.lower().endswith(suffixes)
+
+
 def has_lines(path: Path) -> bool:
-    """Whether a file is a centerline."""
+    """Whether a file is a centerline, by its name or, where that may be a surface's, by what it has."""
+    if not ends_in(path, CENTERLINES):
+        return False
     try:
-        return path.suffix.lower() in CENTERLINES and bool(read_lines(path))
+        return not ends_in(path, SURFACES) or bool(read_lines(path))
     except InputError:
         return False
 
@@ -104,7 +116,7 @@ class Folders:
             str(path)
             for folder in self.folders
             for path in _files(folder, DEEPEST)
-            if path.suffix.lower() in suffixes
+            if ends_in(path, suffixes)
         )
         return found[:MOST]
 
@@ -127,10 +139,10 @@ def open_vessel(scene: Any, surface: Path, centerline: Path | None, units: str =
     """Read both into the scene, in mm. Raises the library's `InputError` for files that it cannot use."""
     files = read_input_files(surface, centerline, units)
     warnings = "\n".join(caution.sentence() for caution in files.warnings)
-    vessel = _model(scene, surface, units, files.surface)
+    vessel = _model(scene, surface, units, files.surface, files.surface.frame)
     if centerline is None:
         return Opened(vessel, None, warnings=warnings)
-    lines = _model(scene, centerline, units)
+    lines = _model(scene, centerline, units, files.line_file, files.surface.frame)
     return Opened(vessel, lines, warnings=warnings)
 
 
@@ -148,20 +160,22 @@ def open_plan(scene: Any, path: Path, folders: Folders | None) -> Opened:
     return opened._replace(plan=path)
 
 
-def _model(scene: Any, path: Path, units: str, surface: SurfaceFile | None = None) -> Any:
-    """A model as Slicer reads it; the `surface` in the same file adds what Slicer does not read."""
+def _model(
+    scene: Any, path: Path, units: str, file: SurfaceFile | LineFile, frame: Frame | None
+) -> Any:
+    """A model as Slicer reads it; the same `file` adds what Slicer does not read.
+
+    The `frame` is that of the surface, in which lines are where one of both files names none.
+    """
     node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(path.stem))
     storage = scene.AddNewNodeByClass("vtkMRMLModelStorageNode")
     node.SetAndObserveStorageNodeID(storage.GetID())
     storage.SetFileName(str(path))
-    isRead = path.suffix.lower() in (*WRITTEN_SUFFIXES, *CENTERLINES) and storage.ReadData(node)
-    if surface is not None:
-        _complete(node, storage, surface, isRead)
+    isRead = ends_in(path, WRITTEN_SUFFIXES) and storage.ReadData(node)
+    if isinstance(file, SurfaceFile):
+        _complete(node, storage, file, isRead)
     elif not isRead:
-        scene.RemoveNode(node)
-        raise InputError(
-            f"{path}: expected a model that Slicer can read, got another; export it as VTP."
-        )
+        _take(node, storage, file.polydata(), (frame and file.file_frame) or frame)
     node.CreateDefaultDisplayNodes()
     if units != "mm":
         from SDFStentSlicer import Conversion
@@ -183,14 +197,22 @@ def _complete(node: Any, storage: Any, surface: SurfaceFile, isRead: bool) -> No
     )
     if hasFaces and hasNames:
         return
-    if not hasFaces:
-        # As Slicer has it, a file that names no frame is in LPS.
-        frame = surface.frame or "LPS"
-        polyData = surface.polydata() if frame == "RAS" else _turned(surface.polydata())
-        storage.SetCoordinateSystem(storage.GetCoordinateSystemTypeFromString(frame))
+    polyData = polyData if hasFaces else surface.polydata()
     if not hasNames:
         set_face_names(polyData, faces.names)
-    node.SetAndObservePolyData(polyData)
+    if hasFaces:
+        Conversion.takeAsInFile(node)
+    else:
+        _take(node, storage, polyData, surface.frame)
+
+
+def _take(node: Any, storage: Any, polyData: Any, frame: Frame | None) -> None:
+    """Let a model be what was read from its file, in a frame; as Slicer has it, without one in LPS."""
+    from SDFStentSlicer import Conversion
+
+    frame = frame or "LPS"
+    node.SetAndObservePolyData(polyData if frame == "RAS" else _turned(polyData))
+    storage.SetCoordinateSystem(storage.GetCoordinateSystemTypeFromString(frame))
     Conversion.takeAsInFile(node)
 
 

@@ -15,6 +15,7 @@ from vtkmodules.vtkIOHDF import vtkHDFWriter
 from SDFStentLib.files import (
     encode_vtp,
     polydata_from_arrays,
+    polydata_from_lines,
     read_surface,
     set_face_names,
     set_frame_of_polydata,
@@ -82,3 +83,55 @@ def test_a_page_has_the_faces_of_every_format_and_they_are_as_in_their_file(tmp_
         assert told["file"] == str(path)
         assert told["frame"] == file_frame
         assert not told["isChanged"]
+
+
+OPEN_LINES = """
+import json, sys
+import slicer
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+from SDFStentApp.files import has_lines, open_vessel
+from SDFStentSlicer import Conversion
+scene, told = slicer.vtkMRMLScene(), []
+for path in map(Path, sys.argv[4:]):
+    node = open_vessel(scene, Path(sys.argv[3]), path, sys.argv[2]).centerline
+    points, lines, _ = Conversion.centerlineLines(node)
+    told.append({
+        "hasLines": has_lines(path),
+        "points": [points[line].tolist() for line in lines],
+        "file": node.GetStorageNode().GetFileName(),
+        "isChanged": bool(node.GetModifiedSinceRead()),
+    })
+print(json.dumps(told))
+"""
+
+
+def line_files(folder, points, frame):
+    """The same line in every format, in the files' unit; SimVascular's names no frame."""
+    lines = polydata_from_lines(points, [np.arange(len(points))])
+    set_frame_of_polydata(lines, frame)
+    (folder / "line.vtp").write_bytes(encode_vtp(lines))
+    places = "".join(f"<pos x='{x}' y='{y}' z='{z}'/>" for x, y, z in points.tolist())
+    text = f"<format version='1.0'/><path><path_points>{places}</path_points></path>"
+    (folder / "line.pth").write_text(text, encoding="utf-8")
+    rows = [f"{n},{x},{y},{z}" for n, (x, y, z) in enumerate(points.tolist())]
+    head = [f"# CoordinateSystem = {frame or 'LPS'}", "# columns = id,x,y,z"]
+    (folder / "line.fcsv").write_text("\n".join([*head, *rows]), encoding="utf-8")
+    return [str(folder / f"line.{suffix}") for suffix in ("vtp", "pth", "fcsv")]
+
+
+@pytest.mark.parametrize(("frame", "units"), [("LPS", "cm"), ("RAS", "mm"), (None, "mm")])
+def test_a_page_opens_lines_of_every_format_where_their_surface_is(tmp_path, frame, units):
+    points, triangles = octahedron()
+    scale = 0.1 if units == "cm" else 1.0
+    line = np.linspace((-18, 2, -9), (18, 2, 9), 7)
+    wall = polydata_from_arrays(scale * points, triangles)
+    set_frame_of_polydata(wall, frame)
+    (tmp_path / "wall.vtp").write_bytes(encode_vtp(wall))
+    files = line_files(tmp_path, scale * line, frame)
+    done = python(OPEN_LINES, PROJECT / "SDFStent", units, tmp_path / "wall.vtp", *files)
+    wanted = line if frame == "RAS" else line * (-1, -1, 1)
+    for path, told in zip(files, json.loads(done.stdout.splitlines()[-1]), strict=True):
+        assert told["hasLines"]
+        assert (told["file"], told["isChanged"]) == (path, False)
+        np.testing.assert_allclose(told["points"], [wanted], atol=1e-4)

@@ -210,7 +210,7 @@ def test_bad_files_give_one_sentence_with_their_name(tmp_path):
         ("one.vtp", "at least two different points, got one point"),
         ("same.vtp", "at least two different points, got one point"),
         ("nan.vtp", "got NaN or infinity"),
-        ("c.csv", "expected a centerline as .vtp, .vtk, .mrk.json, .pth, .fcsv, got '.csv'"),
+        ("c.csv", "expected a centerline as .vtp, .vtk, .mrk.json, .pth or .fcsv, got '.csv'"),
         ("cut.vtp", "its end is missing"),
         ("c.json", "expected a markups file with a curve"),
         ("missing.vtp", "no such file"),

@@ -15,7 +15,16 @@ from SDFStentLib.cautions import TEMPLATES
 
 LIBRARY = PROJECT / "SDFStentLib"
 FLOORS = (
-    ("validation", "parameter", "cautions", "units", "version", "interpreter", "surface_formats"),
+    (
+        "validation",
+        "parameter",
+        "cautions",
+        "units",
+        "version",
+        "interpreter",
+        "surface_formats",
+        "line_formats",
+    ),
     ("geometry",),
     ("field", "centerline", "certificate"),
     ("lumen", "stent", "files", "phantoms"),

@@ -11,7 +11,6 @@ from time import perf_counter
 
 from ..cautions import Caution
 from ..files import (
-    LINE_SUFFIXES,
     SurfaceFile,
     check_line_output,
     check_suffix,
@@ -19,6 +18,7 @@ from ..files import (
     read_surface,
 )
 from ..flow import FlowAnswer
+from ..line_formats import LINE_SUFFIXES
 from ..plan import (
     InputFiles,
     Plan,

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from ..files import (
-    VTK_LINE_SUFFIXES,
     SurfaceFile,
     check_line_output,
     check_vmtk,
     extract_lines,
     write_extracted_lines,
 )
+from ..line_formats import VTK_LINE_SUFFIXES
 from ..plan import InputFiles, Marks, read_input_files
 from ..report import SEGMENT_FILES, filed_point, segment_sentences, write_segment
 from ..treatment import ExtractedSegment, SegmentWishes, extract_segment

@@ -18,11 +18,22 @@ from ..flow import (
     read_wave,
     time_value,
 )
+from ..line_formats import LINES_IN_WORDS
 from ..report import document_json
 from ..surface_formats import FORMATS_IN_WORDS
 from ..validation import InputError, as_place
 from .console import Console
-from .option_table import ACCEPTANCE, NAMES, ROOT, SURFACE, TALK, UNITS, VERBOSE, add_table
+from .option_table import (
+    ACCEPTANCE,
+    CENTERLINE,
+    NAMES,
+    ROOT,
+    SURFACE,
+    TALK,
+    UNITS,
+    VERBOSE,
+    add_table,
+)
 from .outputs import Outputs
 from .place import in_mm
 
@@ -38,7 +49,7 @@ def add_flow(command: argparse.ArgumentParser) -> None:
         "by a network of the vessels. Methods, sources and limits: docs/flow.md."
     )
     add_table(command, SURFACE)
-    add_table(command, "--centerline FILE  any form", required=True)
+    add_table(command, CENTERLINE, required=True)
     add_table(
         command,
         f"""\
@@ -90,7 +101,7 @@ def add_simulate(command: argparse.ArgumentParser) -> None:
         command,
         f"""\
 --after SURFACE2  the same vessel with its stents, as `deploy` writes it
---centerline FILE  of the vessel before, any form
+--centerline FILE  of the vessel before, any form; {LINES_IN_WORDS}
 -o, --output DIR  folder to write: meshes, solver.xml, run.sh and job.sbatch
 --read DIR  in place of all these: tell what the solver has found in a folder
 --from X Y Z  one end of the segment (default: beyond the wall that moved)

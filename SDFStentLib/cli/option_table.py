@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
+from ..line_formats import LINES_IN_WORDS
 from ..parameter import Parameter
 from ..plan import Plan, method_parameters, plan_of_method, plan_schema
 from ..surface_formats import FORMATS_IN_WORDS
@@ -17,6 +18,7 @@ from ..units import MILLIMETERS
 UNITS = f"--units {{{','.join(MILLIMETERS)}}} = mm  of the files (default mm)\n"
 ROOT = "--root X Y Z  the end of the centerline near this point is proximal\n"
 SURFACE = f"surface SURFACE  {FORMATS_IN_WORDS}\n"
+CENTERLINE = f"--centerline FILE  any form; {LINES_IN_WORDS}\n"
 NAMES = "--names F  JSON: what vessels are called, each by a place in it or the face at its end\n"
 ACCEPTANCE = """\
 --accept-changed-inputs  go on although a file is not the one that the plan was made with

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 
+from ..line_formats import LINES_IN_WORDS
 from ..parameter import parameters_of
 from ..stent import Balloon, Shape, Stent, Waist
 from ..version import VERSION
 from .flow_options import add_flow, add_known, add_simulate
 from .option_table import (
     ACCEPTANCE,
+    CENTERLINE,
     JSON,
     NAMES,
     ROOT,
@@ -27,12 +29,12 @@ from .option_table import (
 
 OF_STENT = parameters_of(Stent)
 
-USUAL_PLACE = """\
---centerline FILE  of the vessel, any form
+USUAL_PLACE = f"""\
+--centerline FILE  of the vessel, any form; {LINES_IN_WORDS}
 --center X Y Z  the middle of the stent
 """
-OTHER_PLACES = """\
---axis FILE  the curve is the stent axis
+OTHER_PLACES = f"""\
+--axis FILE  the curve is the stent axis; {LINES_IN_WORDS}
 --distal X Y Z  its distal end
 --proximal X Y Z  its proximal end
 --from X Y Z  one end
@@ -213,7 +215,7 @@ def _suggest(command: argparse.ArgumentParser) -> None:
         "with the vessel; a proposal to discuss, research use only."
     )
     add_table(command, SURFACE)
-    add_table(command, "--centerline FILE  any form", required=True)
+    add_table(command, CENTERLINE, required=True)
     add_table(
         command,
         f"""\
@@ -280,9 +282,8 @@ def _extract(command: argparse.ArgumentParser) -> None:
     add_table(command, SURFACE)
     add_table(
         command,
-        """\
---centerline FILE  any form
---from X Y Z  one end of the segment
+        f"""\
+{CENTERLINE}--from X Y Z  one end of the segment
 --to X Y Z  the other end
 -o, --output DIR  folder to write
 """,
@@ -324,7 +325,7 @@ def _app(command: argparse.ArgumentParser) -> None:
     add_table(
         command,
         f"""\
---centerline F  of the surface
+--centerline F  of the surface; {LINES_IN_WORDS}
 {UNITS}--demo  begin with a synthetic patient instead
 --folder DIR ...  whose files pages may open, with those below; may be repeated. Without one: none
 """,

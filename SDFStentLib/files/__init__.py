@@ -7,8 +7,6 @@ from .atomic import check_suffix as check_suffix
 from .atomic import check_writable as check_writable
 from .atomic import flush_to_disk as flush_to_disk
 from .atomic import write_bytes as write_bytes
-from .centerline_files import LINE_SUFFIXES as LINE_SUFFIXES
-from .centerline_files import VTK_LINE_SUFFIXES as VTK_LINE_SUFFIXES
 from .centerline_files import LineFile as LineFile
 from .centerline_files import axis_of as axis_of
 from .centerline_files import in_frame_of as in_frame_of

@@ -14,20 +14,15 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from ..cautions import Caution
 from ..centerline import Centerline, Widths
 from ..geometry import Line
+from ..line_formats import LINES_IN_WORDS, VTK_LINE_SUFFIXES
 from ..units import Frame, flipped, millimeters_per
 from ..validation import InputError, Points, read_only
 from .content import FileContent, read_content
 from .formats import decode_fcsv, decode_markups, decode_pth, read_vtk_polydata
 from .polydata import inscribed_radius_from_polydata, lines_from_polydata, polydata_from_lines
 
-VTK_LINE_SUFFIXES = (".vtp", ".vtk")
-LINE_SUFFIXES = (*VTK_LINE_SUFFIXES, ".mrk.json")
-"""Formats that centerlines and axes are read from and written to,"""
-
 PLAIN_LINES = {".pth": decode_pth, ".fcsv": decode_fcsv}
-"""and those of one line of points that are read only."""
-
-LINE_INPUTS = (*LINE_SUFFIXES, *PLAIN_LINES)
+"""Formats of one line of points."""
 
 
 @dataclass(frozen=True)
@@ -135,9 +130,9 @@ def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
         return _from_markups(content, units)
     if content.suffix in PLAIN_LINES:
         return _from_plain(content, units)
-    if content.suffix not in (".vtp", ".vtk"):
+    if content.suffix not in VTK_LINE_SUFFIXES:
         raise InputError(
-            f"{path}: expected a centerline as {', '.join(LINE_INPUTS)}, got "
+            f"{path}: expected a centerline as {LINES_IN_WORDS}, got "
             f"{content.suffix or 'no suffix'!r}; convert it."
         )
     polydata, frame, warnings = read_vtk_polydata(content)

@@ -61,6 +61,20 @@ class EndStations(NamedTuple):
         known = 2 * self.spheres.radii[self.is_known]
         return float(np.quantile(known, USUAL)) if len(known) else float("nan")
 
+    def apart_from(self, cap: SurfaceIndex | None) -> EndStations:
+        """The same, but what touches a cap is not known: a line may leave it at a slant."""
+        centers, radii = self.spheres
+        is_known = self.is_known.copy()
+        is_known[is_known] = END_REACH * radii[is_known] <= _away(cap, centers[is_known])
+        return self._replace(is_known=is_known)
+
+
+def _away(surface: SurfaceIndex | None, places: Points) -> Floats:
+    """How far places (n, 3) are from a surface, mm; nothing is infinitely far."""
+    if surface is None:
+        return np.full(len(places), np.inf)
+    return surface.distances(places).distance
+
 
 class LineEnds:
     """Measures a vessel along lines from their ends inward.
@@ -106,8 +120,8 @@ class LineEnds:
         along = self._surface.vertex_normals[near] @ inward / np.linalg.norm(inward)
         return bool((np.abs(along) < _STEEP).any())
 
-    def to_wall(self, place: Points, radius: float) -> float:
-        """How far a place (3,) in a vessel of a radius is from its wall, caps left out, mm."""
+    def around(self, place: Points, radius: float) -> tuple[SurfaceIndex | None, ...]:
+        """The wall near a place (3,) in a vessel of a radius, and its flat caps there."""
         points, triangles = self._surface.points, self._surface.triangles
         is_near = np.zeros(len(points), dtype=bool)
         is_near[self._corners.query_ball_point(place, _ROUND * radius)] = True
@@ -115,9 +129,8 @@ class LineEnds:
         is_wall = np.ones(len(near), dtype=bool)
         for cap in flat_caps(points, near):
             is_wall[cap.faces] = False
-        if not is_wall.any():
-            return radius
-        return float(SurfaceIndex(points, near[is_wall]).distances(place[None]).distance[0])
+        parts = near[is_wall], near[~is_wall]
+        return tuple(SurfaceIndex(points, part) if len(part) else None for part in parts)
 
     def _line(self, way: Points) -> Line:
         """Stations along a way, but within the sphere of the junction to which it leads."""
@@ -167,8 +180,12 @@ def with_ends_in_middle(
     measured = known.stations([tree.points[way] for way in ways])
     points, radius, moved = tree.points.copy(), tree.inscribed_radius.copy(), []
     for way, stations in zip(ways, measured, strict=True):
-        reached, begin = _where_in_middle(stations), tree.points[way[0]]
-        if reached is None or known.to_wall(begin, reached.radius) > BESIDE_MIDDLE * reached.radius:
+        if not stations.is_known.any():
+            continue
+        begin = tree.points[way[0]]
+        wall, cap = known.around(begin, stations.width / 2)
+        reached = _where_in_middle(stations.apart_from(cap))
+        if reached is None or _away(wall, begin[None])[0] > BESIDE_MIDDLE * reached.radius:
             continue
         at = np.abs(tree.arc_length[way] - tree.arc_length[way[0]])
         which = way[at < reached.along]
