@@ -16,7 +16,7 @@ from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import LineEnds, with_ends_in_middle
 from SDFStentLib.lumen.line_ends import IN_MIDDLE
 from SDFStentLib.phantoms import vascular_tree
-from SDFStentLib.vessel import find_lesions
+from SDFStentLib.vessel import find_lesions, lumen_left
 
 TRUNK = 12.0
 """Diameter of the first branch, mm; straight for 54 mm."""
@@ -153,6 +153,40 @@ def test_the_ends_of_a_vessel_are_as_wide_as_they_were_made():
     assert ends.stations([]) == []
 
 
+def leaving(line, first, last, aside=20.0):
+    """A line that is beside the vessel from one of its points to another."""
+    moved = line.copy()
+    moved[first:last] += (0, aside, 0)
+    return moved
+
+
+@pytest.mark.parametrize("seed", seeds(3, 60))
+def test_a_line_that_goes_out_at_a_slant_invents_no_lesion(seed):
+    random = np.random.default_rng(seed)
+    known = a_tree()
+    first, slope = int(random.integers(10, 40)), int(random.integers(1, 15))
+    aside = np.interp(np.arange(212) - first, [0, slope, slope + 6, 2 * slope + 6], [0, 12, 12, 0])
+    turn = random.uniform(0, 2 * np.pi)
+    way = aside[:, None] * np.array([np.cos(turn), np.sin(turn), 0])
+    tree, _ = read(known.surface, [line + way for line in known.lines])
+    assert len(lumen_left(known.surface, tree)) == 1
+    assert_only_the_true_lesion(known.surface, tree)
+
+
+def test_a_line_that_leaves_the_lumen_is_told_with_its_place_and_nothing_is_invented():
+    known = a_tree()
+    lines = [leaving(line, 40, 44) for line in known.lines]
+    tree, told = read(known.surface, lines)
+    assert told == ()
+    (left,) = lumen_left(known.surface, tree)
+    assert left.kind == "line-leaves-lumen"
+    place = np.array([left.numbers[axis] for axis in "xyz"])
+    assert lines[0][38, 2] < place[2] < lines[0][46, 2]
+    assert TRUNK / 2 < place[1] <= 20
+    assert_only_the_true_lesion(known.surface, tree)
+    assert lumen_left(known.surface, read(known.surface, known.lines)[0]) == []
+
+
 def written(folder, lines):
     known = a_tree()
     points, index_lines = indexed(lines)
@@ -161,14 +195,19 @@ def written(folder, lines):
         (folder / f"{name}.vtp").write_bytes(encode_vtp(data))
 
 
-def test_measure_tells_of_a_line_that_begins_at_the_wall_and_of_the_true_lesion_only(
-    tmp_path, monkeypatch, capsys
+@pytest.mark.parametrize("fault", ["begins at the wall", "leaves the lumen"])
+def test_measure_tells_what_is_wrong_with_a_line_and_the_true_lesion_only(
+    tmp_path, monkeypatch, capsys, fault
 ):
     monkeypatch.chdir(tmp_path)
-    written(tmp_path, [from_wall(line, 7.0, 2.0) for line in a_tree().lines])
+    made, words = {
+        "begins at the wall": (lambda line: from_wall(line, 7.0, 2.0), "A line ends at the wall"),
+        "leaves the lumen": (lambda line: leaving(line, 40, 44), "A line leaves the lumen for"),
+    }[fault]
+    written(tmp_path, [made(line) for line in a_tree().lines])
     assert main(["measure", "wall.vtp", "--centerline", "lines.vtp", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     (lesion,) = document["lesions"]
     assert lesion["percent_diameter"] == pytest.approx(100 * DEPTH, abs=3)
     assert np.linalg.norm(np.subtract(lesion["place_mm"], a_tree().throat)) < 2
-    assert "A line ends at the wall" in str(document["warnings"])
+    assert words in str(document["warnings"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
 from collections.abc import Sequence
 from functools import cached_property
@@ -26,8 +25,8 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
 
     Measured once for a surface and its centerline, neither of which can change.
 
-    Diameters are NaN where the centerline is outside of the lumen, and where the sphere may touch
-    the cap of an in- or outlet.
+    Diameters are NaN where the centerline is outside of the lumen or on its way out of it, and
+    where the sphere may touch the cap of an in- or outlet.
 
     Raises
     ------
@@ -88,6 +87,11 @@ class TreeLumen:
         diameter = 2 * spheres.radii
         is_near_end = END_REACH * spheres.radii > self._to_end
         diameter[~self._is_in | ~(diameter > 0) | is_near_end] = np.nan
+        for lumen, own, is_in in zip(
+            self._lumens, np.split(diameter, self._ends[:-1]), self.inside, strict=True
+        ):
+            for run in outside_runs(self.centerline, lumen, is_in):
+                own[_on_the_way(lumen.along, own, run)] = np.nan  # a view
         columns = (np.split(column, self._ends[:-1]) for column in (diameter, spheres.centers))
         return tuple(
             lumen._replace(diameter=d, centers=c)
@@ -99,13 +103,42 @@ def lumen_left(surface: Surface, centerline: Centerline) -> list[Caution]:
     """Where lines leave the lumen, and go on in it; at the ends of a vessel they may stick out."""
     tree, found = tree_lumen(surface, centerline), []
     for lumen, is_in in zip(centerline.lumens, tree.inside, strict=True):
-        inside = np.flatnonzero(is_in)
-        for last, back in itertools.pairwise(inside):
-            if back > last + 1:
-                place = lumen.points[last + 1].tolist()
-                length = float(lumen.along[back] - lumen.along[last])
-                numbers = dict(zip("xyz", place, strict=True)) | {"length_mm": length}
-                found.append(Caution("line-leaves-lumen", numbers))
+        for first, last in outside_runs(centerline, lumen, is_in):
+            before, back = max(first - 1, 0), min(last + 1, len(is_in) - 1)
+            length = float(lumen.along[back] - lumen.along[before])
+            numbers = dict(zip("xyz", lumen.points[first].tolist(), strict=True))
+            found.append(Caution("line-leaves-lumen", numbers | {"length_mm": length}))
+    return found
+
+
+def outside_runs(centerline: Centerline, lumen: BranchLumen, is_in: Flags) -> list[tuple[int, int]]:
+    """The first and last of stations (n,) in a row that are outside of the lumen.
+
+    But not at the root and at leaves, where a line may stick out of the vessel.
+    """
+    sides = np.flatnonzero(np.diff(np.r_[True, is_in, True]))
+    free = {*centerline.roots.tolist(), *centerline.leaves.tolist()}
+    return [
+        (first, last)
+        for first, last in (sides.reshape(-1, 2) - (0, 1)).tolist()
+        if not (first == 0 and lumen.nodes[0] in free)
+        and not (last == len(is_in) - 1 and lumen.nodes[1] in free)
+    ]
+
+
+def _on_the_way(along: Floats, diameter: Floats, run: tuple[int, int]) -> list[int]:
+    """Which stations are on the way to where a line is outside, or back: not in the middle yet.
+
+    Up to one, on both sides, that is as wide as all within its own width farther on.
+    """
+    found: list[int] = []
+    for side in (range(run[0] - 1, -1, -1), range(run[1] + 1, len(along))):
+        for place, station in enumerate(side):
+            onward = np.array(side[place:])
+            near = onward[np.abs(along[onward] - along[station]) <= diameter[station]]
+            if len(near) and np.nanmax(diameter[near]) <= END_REACH * diameter[station]:
+                break
+            found.append(station)
     return found
 
 
