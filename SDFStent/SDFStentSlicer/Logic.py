@@ -200,7 +200,9 @@ class SDFStentLogic(
             raise InputError(missing)
         vessel = yield from working(self._inputs.vesselInPortions(parameterNode))
         shown = self._shownOf(parameterNode)
-        parameterNode.status = self._snapping.told(parameterNode)
+        told = self._snapping.told(parameterNode)
+        if told or not self.isProposal(parameterNode):
+            parameterNode.status = told
         if live:
             search = self.lesionSearch(parameterNode)
             yield from self._previewing.steps(

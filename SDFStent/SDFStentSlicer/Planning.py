@@ -45,8 +45,8 @@ class Planning:
         if "handle" not in values:
             if parameterNode.centerline is None:
                 values.setdefault("placement", Placement.ALONG_CURVE)
-            else:
-                values.setdefault("diameter", self._inputs.suggestedDiameter(parameterNode))
+            elif "diameter" not in values:  # to measure takes seconds in a large tree
+                values["diameter"] = self._inputs.suggestedDiameter(parameterNode)
             values.setdefault("label", stents.freeLabel())
             isCurve = values.get("placement") == Placement.ALONG_CURVE
             centerline = None if isCurve else self._inputs.centerline(parameterNode)

@@ -11,6 +11,7 @@ from . import Clock, Conversion
 from .Dragging import VIEW_ATTRIBUTE, rayThrough
 from .Handles import CURVE
 from .ParameterNode import Placement, stentOf
+from .Portions import SteppedRun, working
 
 
 class Click(NamedTuple):
@@ -106,6 +107,7 @@ class StentButtons:
 
     def _connectStents(self):
         self._fitTimer = Clock.timer(self._fitHandle, 0)
+        self._suggesting = SteppedRun(lambda _value: None, self._suggested)
         self.ui.addStentButton.connect("clicked()", self.onAddStent)
         self.ui.suggestButton.connect("clicked()", self.onSuggest)
         self.ui.copyStentButton.connect("clicked()", self.onCopyStent)
@@ -156,12 +158,19 @@ class StentButtons:
 
     def onSuggest(self):
         lesion = self.lesions.selected
-        if lesion is not None:
-            self._step(lambda: self._suggest(lesion))
+        if lesion is None or self._suggesting.isRunning:
+            return
+        self.sections[0].keep()
+        portions = self.logic.suggestionInPortions(self._parameterNode, lesion)
+        self._parameterNode.status = _("Sizing a stent for the lesion...")
+        self._state.enable(self._parameterNode)
+        self._suggesting.start(working(portions))
 
-    def _suggest(self, lesion):
-        self.logic.suggestStent(self._parameterNode, lesion)
-        self.lesions.hideLine()
+    def _suggested(self, error):
+        if error is not None:
+            self._showError(error)
+        else:
+            self.lesions.hideLine()
 
     def onCopyStent(self):
         self._step(lambda: self.logic.copyStent(self._parameterNode))

@@ -10,12 +10,16 @@ from SDFStentLib.treatment import SizingWishes, Vessel, stent_ratios, suggested
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import lesions_within
 
-from . import Handles, Plans, Sizes
+from . import Conversion, Handles, Plans, Sizes
+from .ParameterNode import stentOf
+from .Portions import inPortions, untilDone
 from .StentList import StentList
 
 
 class Suggesting:
     """A part of `SDFStentLogic`. `self._inputs` are the logic's `Inputs`."""
+
+    _proposal = None
 
     def suggestStent(self, parameterNode, lesion):
         """Size a stent for a lesion by the library's rule and place it there; what it says of that is in `status` afterwards.
@@ -23,15 +27,23 @@ class Suggesting:
         The selected stent where that covers the lesion by a handle of ours, with its device and shape, and else a new one. Returns
         the library's `Suggestion`.
         """
+        return untilDone(self.suggestionInPortions(parameterNode, lesion))
+
+    def suggestionInPortions(self, parameterNode, lesion):
+        """The same in portions: a generator that yields None until it is done."""
         isThere = self.lesionOf(parameterNode) is lesion and Handles.isOwn(
             parameterNode.stent.handle
         )
         wishes = _wishesOf(parameterNode, parameterNode.stent if isThere else None)
         number = self._numberOf(parameterNode, lesion)
-        centerline = self._inputs.centerline(parameterNode)
+        centerline = yield from self._inputs.centerlineInPortions(parameterNode)
         found = self._inputs.lesions(parameterNode).found
-        vessel = Vessel(self._inputs.vessel(parameterNode).surface, centerline)
-        suggestion = vessel.compared(suggested(lesion, number, centerline, wishes), found)
+        surface = (yield from self._inputs.vesselInPortions(parameterNode)).surface
+        suggestion = yield from inPortions(
+            lambda: Vessel(surface, centerline).compared(
+                suggested(lesion, number, centerline, wishes), found
+            )
+        )
         values = Plans.valuesOf(suggestion.stent)
         del values["label"]
         if isThere:
@@ -42,7 +54,12 @@ class Suggesting:
         handle.SetNthControlPointPositionWorld(0, *suggestion.stent.placement.point)
         cautions = [caution.sentence() for caution in suggestion.cautions()]
         parameterNode.status = "\n".join([proposal_sentence(suggestion), *cautions])
+        self._proposal = parameterNode.status, _proposed(parameterNode)
         return suggestion
+
+    def isProposal(self, parameterNode):
+        """Whether what is said is a proposal, and the stent still as it was proposed."""
+        return self._proposal == (parameterNode.status, _proposed(parameterNode))
 
     def _numberOf(self, parameterNode, lesion):
         """Of a lesion among those of the vessel, from 1."""
@@ -83,6 +100,12 @@ class Suggesting:
         for lesion in lesions_within(search.found, axis.points):
             return lesion, stent_ratios(planned, lesion)
         return None
+
+
+def _proposed(parameterNode):
+    """Of which stent something is said: its place, diameter and length."""
+    stent = stentOf(parameterNode)
+    return Conversion.changeStamp(stent.handle), stent.diameter, stent.length, stent.placement
 
 
 def _wishesOf(parameterNode, stent):

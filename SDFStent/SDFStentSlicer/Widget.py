@@ -145,6 +145,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             self._parameterNode.status = ""  # of a click that is long ago when this is shown again
         self._parameterNode = parameterNode
         self.preparation.cancel()
+        self._suggesting.cancel()
         self.session.setParameterNode(parameterNode)
         self.stents = None
         self.lesions.follow(parameterNode)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import vtk
-from panel_helpers import clickSample, settle, theThroat
+from panel_helpers import clickSample, settle, suggest, theThroat
 from PySide6 import QtCore, QtGui, QtWidgets
 from sdfstent_host import Host
 from vtk.util.numpy_support import vtk_to_numpy
@@ -246,7 +246,7 @@ def main(folder):
     host.click(ui.removeStentButton)
     ui.stentsCollapsibleButton.collapsed = False
     ui.lesionTable.selectRow(0)
-    host.click(ui.suggestButton)
+    suggest(host, panel)
     ui.waistSpinBox.value = 5.5
     ui.proximalEndSpinBox.value = 8.0
     ui.flowMeanSpinBox.value = 2.5

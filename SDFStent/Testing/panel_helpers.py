@@ -12,7 +12,16 @@ def theThroat():
 
 def settle(host, panel):
     """Let a panel run until nothing is under way or about to start."""
-    host.processUntil(lambda: not (panel.session.isBusy or panel.lesions.isBusy))
+    busy = panel.session, panel.lesions
+    host.processUntil(
+        lambda: not (panel._suggesting.isRunning or any(one.isBusy for one in busy))
+    )
+
+
+def suggest(host, panel):
+    """Click Suggest and wait for the stent."""
+    host.click(panel.ui.suggestButton)
+    host.processUntil(lambda: not panel._suggesting.isRunning)
 
 
 def planned(panel):

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import deploy, theThroat
+from panel_helpers import deploy, suggest, theThroat
 from PIL import Image
 
 
@@ -178,7 +178,7 @@ def test_the_line_of_a_lesion_makes_way_for_its_stent(host, theInputs, aScene):
     found(host, theInputs)
     clickRow(host, theInputs.ui.lesionTable, 0)
     assert marks(aScene)[1] is not None
-    host.click(theInputs.ui.suggestButton)
+    suggest(host, theInputs)
     numbers, line = marks(aScene)
     assert line is None
     assert numbers.GetNthControlPointSelected(0)

@@ -1,7 +1,7 @@
 """Suggest: a stent for the selected lesion by the library's rule, and the ratios of sizes."""
 
 import pytest
-from panel_helpers import deploy, planned
+from panel_helpers import deploy, planned, settle, suggest
 from test_panel_lesions import clickRow, found
 
 
@@ -37,7 +37,7 @@ def test_suggest_sizes_the_stent_that_is_there(host, aLesion):
     panel.ui.waistSpinBox.value = 4.0
     panel.ui.lengthSlider.value = 30.0
     panel.ui.nameEdit.text = "Main"
-    host.click(panel.ui.suggestButton)
+    suggest(host, panel)
     (stent,) = planned(panel)
     expected = suggestion(panel, device=stent.device)
     assert (stent.diameter, stent.length) == (expected.stent.diameter, expected.stent.length)
@@ -47,7 +47,7 @@ def test_suggest_sizes_the_stent_that_is_there(host, aLesion):
     handle.SetNthControlPointPositionWorld(0, 0.0, 0.0, 8.0)  # elsewhere now
     host.process()
     clickRow(host, panel.ui.lesionTable, 0)
-    host.click(panel.ui.suggestButton)
+    suggest(host, panel)
     assert len(planned(panel)) == 2
     expected = suggestion(panel)
     assert planned(panel)[1].diameter == expected.stent.diameter
@@ -58,7 +58,7 @@ def test_a_suggested_stent_is_dragged_to_another_diameter(host, aLesion):
     """The balloon follows, by the recoil of the rule: the lumen is what was asked for."""
     panel, lesion = aLesion
     ui, parameters = panel.ui, panel._parameterNode
-    host.click(ui.suggestButton)
+    suggest(host, panel)
     assert ui.diameterSlider.enabled
     narrowest = lesion.minimum_diameter
     for lumen, recoil in ((6.0, 0.07), (round(3.2 * narrowest, 2), 0.10), (7.0, 0.07)):
@@ -81,7 +81,7 @@ def test_a_suggested_stent_is_dragged_to_another_diameter(host, aLesion):
 def test_ratios_are_shown_while_sizes_change(host, aLesion):
     panel, lesion = aLesion
     ui = panel.ui
-    host.click(ui.suggestButton)
+    suggest(host, panel)
     ui.deviceCollapsibleButton.collapsed = False
     healthy = smallerSide(lesion)
     for balloon in (7.0, 9.0, 14.0):
@@ -125,7 +125,7 @@ def test_a_suggestion_goes_by_the_ratio_and_the_margin_that_are_set(host, aLesio
     boxes = (ui.suggestRatioSpinBox, ui.suggestMarginSpinBox)
     assert [box.value for box in boxes] == [usual.ratio, usual.margin]
     ui.suggestRatioSpinBox.value, ui.suggestMarginSpinBox.value = 0.9, 2.0
-    host.click(ui.suggestButton)
+    suggest(host, panel)
     expected = suggestion(panel, ratio=0.9, margin=2.0)
     (stent,) = planned(panel)
     assert (stent.diameter, stent.length) == (expected.stent.diameter, expected.stent.length)
@@ -133,8 +133,44 @@ def test_a_suggestion_goes_by_the_ratio_and_the_margin_that_are_set(host, aLesio
     copy = panel.logic.duplicatePlan(parameters)
     assert (copy.suggestRatio, copy.suggestMargin) == (0.9, 2.0)
     ui.suggestMarginSpinBox.value = 3.0
-    host.click(ui.suggestButton)  # sizes the stent that is there
+    suggest(host, panel)  # sizes the stent that is there
     (stent,) = planned(panel)
     assert stent.length == suggestion(panel, ratio=0.9, margin=3.0).stent.length
     host.click(ui.defaultsButton)
     assert [box.value for box in boxes] == [usual.ratio, usual.margin]
+
+
+def test_a_suggestion_says_at_once_that_it_is_made_and_then_stays(host, aLesion, monkeypatch):
+    from SDFStentSlicer import Clock
+
+    panel, _lesion = aLesion
+    ui = panel.ui
+    ui.autoUpdateCheckBox.checked = True
+    settle(host, panel)
+    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (0.0, 0.0))
+    ui.suggestButton.click()
+    assert "Sizing a stent" in ui.statusLabel.text
+    ui.suggestButton.click()  # once more changes nothing
+    host.processUntil(lambda: not panel._suggesting.isRunning)
+    count = len(panel._parameterNode.stents)
+    told = ui.statusLabel.text
+    assert "Sizing" not in told
+    assert f"{panel._parameterNode.stent.diameter:.2f}" in told
+    settle(host, panel)  # live: it is deployed
+    host.process(0.6)
+    assert panel._parameterNode.certificateSummary
+    assert ui.statusLabel.text == told
+    assert len(panel._parameterNode.stents) == count
+    ui.diameterSlider.value = panel._parameterNode.stent.diameter + 1.0
+    settle(host, panel)
+    assert told not in ui.statusLabel.text
+
+
+def test_a_suggestion_ends_with_its_plan(host, aLesion, aStepAtATime):
+    panel, _lesion = aLesion
+    count = len(panel._parameterNode.stents)
+    panel.ui.suggestButton.click()
+    panel._switchTo(panel.logic.duplicatePlan(panel._parameterNode))
+    settle(host, panel)
+    assert len(panel._parameterNode.stents) == count
+    assert "Sizing" not in panel.ui.statusLabel.text
