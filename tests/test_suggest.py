@@ -124,9 +124,9 @@ def test_ranges_medians_and_denominators_are_those_of_the_source():
     told = ratio_sentence(size_ratios(a_lesion_of(9.0, 7.0), 6.0))
     assert told == (
         "Stent : healthy vessel 0.86 where that is narrowest (7.0 mm), 0.67 at the proximal end "
-        "(9.0 mm), 0.86 at the distal end (7.0 mm); sources: 0.66 (0.44 to 1.5) of the distal "
-        "pulmonary artery, 0.66 (0.38 to 1.02) of the descending aorta, 0.86 (0.48 to 1.88) and "
-        "0.85 (0.52 to 1.2) dilated again."
+        "(9.0 mm), 0.86 at the distal end (7.0 mm). In its source: distal pulmonary artery 0.44 to "
+        "1.5 (median 0.66), dilated again 0.48 to 1.88 (0.86); descending aorta 0.38 to 1.02 "
+        "(median 0.66), dilated again 0.52 to 1.2 (0.85)."
     )
 
 
@@ -311,7 +311,7 @@ def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):
         "Recoil 7 %: the mean in great vessels",
         "These are sizes that the lesion asks for, of no product; in the table no row has such ",
         "Stent : healthy vessel 1.00 where that is narrowest (5.9 mm), 1.00 at the proximal end",
-        " dilated again; balloon : stenosis 1.8",
+        " Balloon : stenosis 1.8",
         "Wrote tube_plan.json; to carry it out: sdfstent run tube_plan.json -o DIR",
     ):
         assert words in said, words

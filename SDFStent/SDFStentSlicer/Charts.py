@@ -6,7 +6,7 @@ from slicer.i18n import tr as _
 
 from . import Display, Marks, Showing
 
-TABLE_DECIMALS = 3
+TABLE_DECIMALS = 2
 """Of mm."""
 
 TITLE_SIZE = 14

@@ -46,9 +46,12 @@ def outputModel(parameterNode, role, name, color):
 
 
 def addOutput(parameterNode, className, name):
-    """A new node in the folder of the parameter set's results."""
+    """A new node in the folder of the parameter set's results, called by its plan where another one is called so."""
     scene = parameterNode.parameterNode.GetScene()
-    node = scene.AddNewNodeByClass(className, scene.GenerateUniqueName(name))
+    if scene.GetFirstNodeByName(name) is not None:
+        plan = parameterNode.parameterNode.GetName()
+        name = scene.GenerateUniqueName(_("{name}, {plan}").format(name=name, plan=plan))
+    node = scene.AddNewNodeByClass(className, name)
     hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
     hierarchy.CreateItem(_folder(hierarchy, parameterNode), node)
     return node

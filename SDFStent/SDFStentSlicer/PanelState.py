@@ -294,7 +294,12 @@ class PanelState:
         told = standing.missing, parameterNode.status
         of = parameterNode, standing.signature, Flow.toldFlow(parameterNode)
         isAsBefore = told[1] == self._told[1] and parameterNode is self._toldOf[0]
-        if told[1] and isAsBefore and of != self._toldOf and not self._logic.isProposal(parameterNode):
+        if (
+            told[1]
+            and isAsBefore
+            and of != self._toldOf
+            and not self._logic.isProposal(parameterNode)
+        ):
             parameterNode.status = ""  # was said of the plan as it was; this has come here again
             return
         self._toldOf = of

@@ -13,9 +13,7 @@ def theThroat():
 def settle(host, panel):
     """Let a panel run until nothing is under way or about to start."""
     busy = panel.session, panel.lesions
-    host.processUntil(
-        lambda: not (panel._suggesting.isRunning or any(one.isBusy for one in busy))
-    )
+    host.processUntil(lambda: not (panel._suggesting.isRunning or any(one.isBusy for one in busy)))
 
 
 def suggest(host, panel):

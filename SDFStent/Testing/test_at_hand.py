@@ -46,7 +46,8 @@ def test_the_view_tells_of_the_stent_while_it_is_dragged_and_when_it_is_measured
     for told in previews:
         assert told[1].startswith(f"narrowest {before.minimum_diameter:.1f} -> about ")
         assert told[2].startswith(f"stenosis {before.percent_diameter:.0f} % -> ")
-    assert lines[0] == f"8.0 x {lengthOf(treated.axis.points):.1f} mm"
+    assert lines[0] == f"8.0 x {lengthOf(treated.axis.points):.1f} mm (14 mm as packed)"
+    assert ui.lengthSlider.value == 14.0
     assert lines[1] == f"narrowest {treated.before.minimum:.1f} -> {treated.after.minimum:.1f} mm"
     assert lines[2].startswith(f"stenosis {lesion.before.percent_diameter:.0f} % -> ")
     assert lines[-1] == "certified for meshing"

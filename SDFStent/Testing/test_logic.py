@@ -119,7 +119,7 @@ def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
     table = theParameters.outputTable
     after = slicer.util.arrayFromTableColumn(table, "After (mm)")
     (treated,) = run.stents
-    np.testing.assert_array_equal(after, treated.around_after.inscribed_diameter.round(3))
+    np.testing.assert_array_equal(after, treated.around_after.inscribed_diameter.round(2))
     assert table.GetUseColumnTitleAsColumnHeader()
     assert table.GetLocked()
     assert table.GetColumnTitle("After (mm)") == "After"
@@ -129,7 +129,7 @@ def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
         for name in ("Position (mm)", "Prescribed (mm)")
     )
     inStent = np.isfinite(prescribed)
-    np.testing.assert_array_equal(after[inStent], treated.after.inscribed_diameter.round(3))
+    np.testing.assert_array_equal(after[inStent], treated.after.inscribed_diameter.round(2))
     assert position[0] < -5
     assert position[-1] > treated.axis.deployed_length + 5
     assert position[inStent][0] == 0

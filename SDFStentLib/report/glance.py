@@ -49,7 +49,6 @@ _OF_SURFACE = {
 _SHORT = {
     "hangs-free": "hangs free over {free_mm:.0f} of {length_mm:.0f} mm",
     "lesion-uncovered": "lesion {lesion} uncovered over {uncovered_mm:.1f} mm",
-    "shortened": "{available_mm:.0f} of {prescribed_mm:.0f} mm lie on the vessel",
     "overdilated": "overdilated {times:.1f} x",
     "neighbor-narrowed": "{name} narrowed {before_mm:.1f} -> {after_mm:.1f} mm",
     "overlap": "overlap of {length_mm:.1f} mm",
@@ -162,7 +161,10 @@ def _word(certificate: Certificate | None) -> str:
 
 
 def _size(placed: PlacedStent) -> str:
-    return f"{placed.stent.diameter:.1f} x {placed.axis.deployed_length:.1f} mm"
+    axis = placed.axis  # what is set is the length as packed
+    lost = axis.nominal_length - axis.deployed_length
+    packed = f" ({axis.nominal_length:.3g} mm as packed)" if lost > 0.05 else ""
+    return f"{placed.stent.diameter:.1f} x {axis.deployed_length:.1f} mm{packed}"
 
 
 def _left(

@@ -108,24 +108,24 @@ def ratio_sentence(ratios: SizeRatios) -> str:
     ]
     to_stenosis, balloon = ratios.balloon_to_stenosis, ""
     if to_stenosis == to_stenosis:
-        balloon = (
-            f"; balloon : stenosis {to_stenosis:.2f} (above 3.0 the recoil was more than 10 %)"
-        )
-    return f"{TO_HEALTHY} {', '.join(told) or UNKNOWN}; {SOURCES}{balloon}."
+        balloon = f" Balloon : stenosis {to_stenosis:.2f}; above 3.0 the recoil was more than 10 %."
+    return f"{TO_HEALTHY} {', '.join(told) or UNKNOWN}. {SOURCES}{balloon}"
 
 
 def _seen() -> str:
-    first = [f"{_range(one.before)} of the {one.vessel}" for one in SEEN_RATIOS]
-    again = [_range(one.after) for one in SEEN_RATIOS]
-    return f"sources: {', '.join(first)}, {' and '.join(again)} dilated again"
+    told = [
+        f"{one.vessel} {_range(one.before, 'median ')}, dilated again {_range(one.after)}"
+        for one in SEEN_RATIOS
+    ]
+    return f"In its source: {'; '.join(told)}."
 
 
-def _range(seen: Seen) -> str:
-    return f"{seen.median:g} ({seen.low:g} to {seen.high:g})"
+def _range(seen: Seen, named: str = "") -> str:
+    return f"{seen.low:g} to {seen.high:g} ({named}{seen.median:g})"
 
 
 SOURCES = _seen()
-"""Medians and ranges."""
+"""Ranges and medians."""
 
 
 def stent_ratio_sentences(
