@@ -37,6 +37,7 @@ from .files import (
 from .kept import PLAN
 from .selectors import PlaceWidget
 from .sight import build
+from .tables import Table
 from .template import ASKS_FOR_FILE, PATHS, WRITES_FILE, WRITES_FOLDER, value_of
 from .view import View
 from .widgets import Button
@@ -249,6 +250,12 @@ class Page:
         if widget is not None:
             self.attempt(lambda: widget.edit(value))
             self._flush()
+
+    def hover(self, name: str, row: Any) -> None:
+        """The mouse is on a row of a table, or with -1 on none."""
+        widget = self.panel.widgets.get(name)
+        if isinstance(widget, Table) and type(row) is int:
+            self.attempt(partial(widget.hover, row))
 
     def key(self, name: str, key: str) -> None:
         """A key, as Qt calls it, that was pressed in a widget."""

@@ -122,7 +122,7 @@ another one. One that fails at once is not loaded again and again.
 """
 
 TRIGGERS = (
-    *("click", "edit", "key", "ask", "choose", "open", "upload", "demo"),
+    *("click", "edit", "hover", "key", "ask", "choose", "open", "upload", "demo"),
     *("save", "picture", "point", "gather", "fetch"),
 )
 """Methods of the page that the browser calls."""

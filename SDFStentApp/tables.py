@@ -89,6 +89,7 @@ class Table(Widget):
         super().__init__(name, parameter)
         self._rows: list[list[TableItem | None]] = []
         self._selected = self._current = -1
+        self._is_under_mouse = False
 
     def horizontalHeader(self) -> Header:
         """The browser fits the columns."""
@@ -127,6 +128,19 @@ class Table(Widget):
 
     def clearSelection(self) -> None:
         self._select(-1)
+
+    def setMouseTracking(self, _isTracked: bool) -> None:
+        """The page tells of rows that the mouse enters, and leaves, by itself."""
+
+    def underMouse(self) -> bool:
+        """Whether the mouse is on a row."""
+        return self._is_under_mouse
+
+    def hover(self, row: int) -> None:
+        """The mouse is on a row, or on none with -1."""
+        self._is_under_mouse = 0 <= row < len(self._rows)
+        if self._is_under_mouse:
+            self.emit("cellEntered", row, 0)
 
     def setFocus(self) -> None:
         """Where keys go is the browser's."""

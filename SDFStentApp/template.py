@@ -203,6 +203,15 @@ ROW_KEYS = " ".join(
 """From row to row of a table."""
 
 
+def _hovered(name: str) -> str:
+    """Of a row of lesions: the view marks the one that the mouse is on."""
+    if name != "lesionTable":
+        return ""
+    told = "trigger('hover', ['{name}', {row}])".format
+    enter, leave = told(name=name, row="r"), told(name=name, row="-1")
+    return f'@pointerenter="{enter}" @pointerleave="{leave}" '
+
+
 def _table(name: str) -> str:
     click = f"window.inOrder('edit', ['{name}', [r, c]])"
     tick = f"window.inOrder('edit', ['{name}', [r, c, $event.target.checked]])"
@@ -213,7 +222,7 @@ def _table(name: str) -> str:
         # One without rows is scrolled by its own keys on a narrow screen, others by those of a row.
         f':tabindex="{name}.rows.length ? null : 0"><table :title="{name}.tip">'
         f'<thead><tr><th v-for="text in {name}.columns">{{{{ text }}}}</th></tr></thead><tbody>'
-        f'<tr v-for="(row, r) in {name}.rows" :class="{{selected: r === {name}.selected}}" '
+        f'<tr v-for="(row, r) in {name}.rows" :class="{{selected: r === {name}.selected}}" {_hovered(name)}'
         f':aria-selected="r === {name}.selected" tabindex="0" '
         f'@keydown.enter.self="{click.replace("[r, c]", "[r, 0]")}" {ROW_KEYS}>'
         f'<td v-for="(item, c) in row" :title="item.tip" @click="{click}" @dblclick="{rename}">'

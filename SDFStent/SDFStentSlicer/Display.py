@@ -215,6 +215,8 @@ def showMap(node, name, values, onCells, title):
             text.SetFontSize(10)
         legend.SetSize(0.1, 0.3)
         legend.SetPosition(0.97, 0.05)
+        for view in slicer.util.getNodesByClass("vtkMRMLViewNode"):
+            legend.AddViewNodeID(view.GetID())  # slices are too small for its digits
     legend.SetAndObserveColorNodeID(display.GetColorNodeID())
     legend.SetTitleText(title)
     legend.SetLabelFormat("%.2f")

@@ -15,6 +15,8 @@ POINTS, CURVE = "vtkMRMLMarkupsFiducialNode", "vtkMRMLMarkupsCurveNode"
 COLOR = (0.1, 0.55, 0.95)
 USUAL_LENGTH = 20.0
 """Of a new stent, mm."""
+PALE = 0.3
+"""Opacity of the handle of a stent that is switched off."""
 ON_ANOTHER = 1.0
 """Nearer than that, mm, a point of a handle is seen on that of another one."""
 
@@ -98,6 +100,15 @@ def giveWay(chosen, handles):
         if isOn != isAway and (isAway or not node.GetLocked()):  # a user may lock one himself
             node.SetAttribute(AWAY_ATTRIBUTE, "1" if isOn else None)
             node.SetLocked(isOn)
+
+
+def fade(handles, strong):
+    """Show our handles pale but for the `strong` ones."""
+    for node in handles:
+        display = node and node.GetAttribute(HANDLE_ATTRIBUTE) and node.GetDisplayNode()
+        wanted = 1.0 if node in strong else PALE
+        if display and display.GetOpacity() != wanted:
+            display.SetOpacity(wanted)
 
 
 def _rows(points):

@@ -1,5 +1,6 @@
 """The lesions of the vessel, in a table of the panel and in the views."""
 
+import numpy as np
 import qt
 from slicer.i18n import tr as _
 
@@ -17,8 +18,18 @@ COLOR, SELECTED_COLOR = (0.65, 0.38, 0.02), (1.0, 0.36, 0.0)
 """Of the numbers: they can be read on light and dark views, and on the wall."""
 SPACING, THICKNESS = 1.5, 1.2
 """Of the points of a line, mm, and its diameter, mm."""
-GLYPH, TEXT = 1.5, 4.0
-"""Of a point, less than of a handle, which may be there; of a number beside it; percent of a view."""
+GLYPH, TEXT, NO_GLYPH = 1.5, 4.0, 0.01
+"""Of a point; of a number; of the point of one, which marks nothing; percent of a view."""
+GROUND = (1.0, 0.97, 0.92)
+"""Of a number."""
+FRONT, SIDE = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+"""To where one looks who looks at a patient, and across that."""
+NEARLY = 0.1
+"""Part of a line seen from the front below which it goes to the front itself."""
+BESIDE = (1.0, -1.0, 1.7, -1.7, 2.4, -2.4)
+"""So many diameters of the healthy vessel beside its axis a number may stand."""
+APART = 5.0
+"""Between two numbers at least, where there is room, mm."""
 
 
 class LesionMarks:
@@ -34,9 +45,9 @@ class LesionMarks:
             removeMark(node)
         self._lesions, self._numbers, self._chart, self.plotted = lesions, None, [], None
         if lesions:
-            texts = [f"  {number}" for number in range(1, len(lesions) + 1)]
-            points = [lesion.point for lesion in lesions]
-            self._numbers = _locked(createMark(POINTS, _("Lesions"), points, texts))
+            texts = [f" {number} " for number in range(1, len(lesions) + 1)]
+            self._numbers = _locked(createMark(POINTS, _("Lesions"), _besides(lesions), texts))
+            _asSigns(self._numbers.GetDisplayNode())
         self.select(None)
 
     def hideLine(self):
@@ -76,6 +87,31 @@ class LesionMarks:
             removeMark(node)
 
 
+def _besides(lesions):
+    """Where the numbers stand, a row each: beside the vessel as it is seen from the front, where no handle is, and none on another."""
+    placed = []
+    for lesion in lesions:
+        across = np.cross(np.diff(lesion.line.points[[0, -1]], axis=0)[0], FRONT)
+        length = np.linalg.norm(across)
+        across = across / length if length > NEARLY * lesion.line.length else SIDE
+        steps = lesion.reference_diameter * np.outer(BESIDE, across)
+        places = np.add(lesion.point, steps)
+        apart = [min((np.linalg.norm(one - p) for p in placed), default=np.inf) for one in places]
+        free = [place for place, room in zip(places, apart, strict=True) if room >= APART]
+        placed.append(free[0] if free else places[int(np.argmax(apart))])
+    return placed
+
+
+def _asSigns(display):
+    """Numbers on a ground of their own: on the wall a 1 was read as a bracket."""
+    display.SetGlyphScale(NO_GLYPH)
+    text = display.GetTextProperty()
+    text.BoldOn()
+    text.ShadowOff()
+    text.SetBackgroundColor(*GROUND)
+    text.SetBackgroundOpacity(1.0)
+
+
 def _locked(node):
     node.SetLocked(True)
     display = node.GetDisplayNode()
@@ -87,6 +123,9 @@ def _locked(node):
     display.SetTextScale(TEXT)
     return node
 
+
+LOOK_MS = 200
+"""So often it is looked whether the mouse has left the table."""
 
 SETTLE_MS = 250
 """The vessel has to rest so long, so that nothing is searched while it is being edited."""
@@ -109,6 +148,9 @@ class LesionTable:
         ui.lesionTable.connect("itemSelectionChanged()", self._selectionChanged)
         ui.lesionTable.connect("cellClicked(int,int)", self._clicked)
         ui.lesionTable.connect("cellActivated(int,int)", self._activated)
+        ui.lesionTable.connect("cellEntered(int,int)", self._entered)
+        ui.lesionTable.setMouseTracking(True)
+        self._hovering = Clock.timer(self._look, LOOK_MS)
         self._show("")
 
     @property
@@ -197,7 +239,8 @@ class LesionTable:
         table = self.ui.lesionTable
         rows = [([state], state)] if state else []
         for number, lesion in enumerate(lesions, 1):
-            rows.append((_texts(number, lesion), " ".join(lesion_sentences(number, lesion))))
+            side = "" if self._search is None else self._search.sideOf(lesion)
+            rows.append((_texts(number, lesion, side), " ".join(lesion_sentences(number, lesion))))
         self._updating = True
         try:
             table.clearSelection()
@@ -239,6 +282,20 @@ class LesionTable:
         """Go there again when the selected one is clicked once more."""
         self._selectionChanged()
 
+    def _entered(self, row, _column):
+        """Mark in the view what the mouse is on in the table."""
+        found = () if self._search is None else self._search.found or ()
+        if row < len(found):
+            self._marks.select(row)
+            self._hovering.start()
+
+    def _look(self):
+        """Mark the selected one again once the mouse has left."""
+        if self.ui.lesionTable.underMouse():
+            self._hovering.start()
+        elif self._search is not None:
+            self._marks.select(None if self.selected is None else self.ui.lesionTable.currentRow())
+
     def _activated(self, row, _column):
         """By Enter: an only row has the focus without being selected, and arrows find no other."""
         if self.selected is None:
@@ -247,10 +304,13 @@ class LesionTable:
             self._selectionChanged()
 
 
-def _texts(number, lesion):
+def _texts(number, lesion, side):
+    # What the vessel leads to is in the tooltip: there is little room.
+    name = lesion.branch_name.partition(" (")[0]
+    if name.startswith("branch "):  # by its size, which tells nobody which one it is
+        name = _("{side}, generation {generation}").format(side=side, generation=lesion.generation)
     return (
-        # What the vessel leads to is in the tooltip: there is little room.
-        _("{number} {branch}").format(number=number, branch=lesion.branch_name.partition(" (")[0]),
+        _("{number} {branch}").format(number=number, branch=name),
         degree_word(lesion.percent_diameter),
         f"{lesion.minimum_diameter:.1f} mm",
         f"{lesion.length:.0f} mm",

@@ -1,5 +1,8 @@
 """The lesions of a vessel: found once, off the application's thread."""
 
+import numpy as np
+from slicer.i18n import tr as _
+
 from SDFStentLib.plan import flow_answer, flow_model
 from SDFStentLib.validation import InputError
 
@@ -39,6 +42,14 @@ class LesionSearch:
             self.found = yield from inPortions(lambda: withSections(vessel.lesions))
         except InputError as error:
             self.found, self.sentence = (), str(error)
+
+    def sideOf(self, lesion):
+        """The patient's side on which a lesion lies from where the root parts first."""
+        tree = self._vessel.centerline
+        below, counts = np.unique(tree.parent[tree.parent >= 0], return_counts=True)
+        partings = below[counts > 1]
+        root = partings[np.argmin(tree.arc_length[partings])] if len(partings) else 0
+        return _("right") if lesion.point[0] > tree.points[root, 0] else _("left")
 
     def flow(self, known, result):
         """The library's `FlowAnswer` for what is `known` of the flow, and a result; once `portions` was run to its end.

@@ -47,7 +47,7 @@ class Steps:
         isDone = Conversion.hasWall(vessel) and Conversion.hasLines(centerline)
         if isDone != self._isDone:
             self._isDone = self._ui.inputsCollapsibleButton.collapsed = isDone
-        names = [node.GetName() for node in (vessel, centerline) if node is not None]
+        names = [] if vessel is centerline is None else [_nameOf(vessel), _nameOf(centerline)]
         hasStents = len(stentsOf(parameterNode)) > 0
         stent = stentOf(parameterNode)
         details = Sizes.detailsOf(stent)
@@ -61,6 +61,10 @@ class Steps:
         ):
             text = f"{title}: {one_line(words)}" if words else title
             getattr(self._ui, f"{name}CollapsibleButton").text = cut(text, LONGEST)
+
+
+def _nameOf(node):
+    return _("none") if node is None else node.GetName()
 
 
 def _deviceWords(details):
@@ -242,7 +246,7 @@ class PanelState:
         self.ui.beforeButton.text = _("After") if isBefore else _("Before")
         self.ui.stentEditor.enabled = self.ui.stentDetails.enabled = count > 0
         stent = stentOf(parameterNode)
-        self.ui.wholeCurveCheckBox.enabled = stent.placement == Placement.ALONG_CURVE
+        self.ui.wholeCurveCheckBox.visible = stent.placement == Placement.ALONG_CURVE
         device, isByDevice = Sizes.detailsOf(stent).device, stent.deviceShortening
         self.ui.lengthSlider.enabled = Sizes.hasFreeLength(stent)
         isKnown = device is not None or stent.placement == Placement.AGAIN

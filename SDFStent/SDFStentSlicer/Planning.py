@@ -188,8 +188,10 @@ class Planning:
 
     @staticmethod
     def giveWay(parameterNode):
-        """Let the mouse take the selected stent's handle where others of ours lie on it."""
-        handles = [stent.handle for stent in stentsOf(parameterNode)]
+        """Let the mouse take the selected stent's handle where others of ours lie on it; those of stents that are off are pale."""
+        stents = stentsOf(parameterNode)
+        handles = [stent.handle for stent in stents]
+        Handles.fade(handles, {stent.handle for stent in stents if stent.enabled})
         Handles.giveWay(stentOf(parameterNode).handle, handles)
 
     def moveStent(self, parameterNode, distance):

@@ -32,7 +32,7 @@ def registerSampleData():
         logic.registerCustomSampleDataSource(
             category=CATEGORY,
             sampleName=name,
-            thumbnailFileName=str(icons / "SDFStent.svg"),
+            thumbnailFileName=str(icons / f"{name}.png"),
             uris="",
             fileNames="",
             nodeNames="",

@@ -77,6 +77,6 @@ def _texts(values):
         one_line(values["label"]),
         f"{values['diameter']:.1f} mm",
         length,
-        values["placement"].label(),
+        values["placement"].label() if values["enabled"] else _("switched off"),
         values["enabled"],
     )

@@ -1,12 +1,14 @@
 """The lesions of the vessel in the panel: found by themselves, gone to by a click, treated by Add."""
 
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import slicer
 from panel_helpers import deploy, suggest, theThroat
 from PIL import Image
+from PySide6 import QtGui
 
 
 def found(host, panel):
@@ -124,7 +126,9 @@ def test_lesions_are_marked_in_the_view_and_the_selected_one_is_seen_through_the
         for n in range(numbers.GetNumberOfControlPoints())
     ]
     assert texts == [str(1 + n) for n in range(len(lesions))]
-    np.testing.assert_allclose(numbers.GetNthControlPointPositionWorld(0), lesions[0].point)
+    for index, lesion in enumerate(lesions):  # beside the vessel, where no handle is
+        apart = np.subtract(numbers.GetNthControlPointPositionWorld(index), lesion.point)
+        assert 0.9 <= np.linalg.norm(apart) / lesion.reference_diameter <= 2.5
     assert extent is None
     host.application.view.look(parameters.vessel.GetPolyData().GetBounds())
     parameters.vessel.GetDisplayNode().SetOpacity(1.0)
@@ -248,3 +252,80 @@ def told(panel):
     """What stands in place of lesions."""
     (row,) = range(panel.ui.lesionTable.rowCount)
     return panel.ui.lesionTable.item(row, 0).text()
+
+
+def aLesion(point, along, diameter):
+    """As much of one as its number is placed by."""
+    from SDFStentLib.geometry import Line
+
+    points = np.add(point, np.outer([-4.0, 0.0, 4.0], along / np.linalg.norm(along)))
+    return SimpleNamespace(point=point, line=Line(points), reference_diameter=diameter)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_numbers_of_lesions_do_not_lie_on_each_other_or_on_the_vessel(theModule, seed):
+    from SDFStentSlicer.LesionTable import _besides
+
+    rng = np.random.default_rng(seed)
+    lesions = [
+        aLesion(rng.uniform(-15, 15, 3), rng.normal(size=3), rng.uniform(4, 9)) for _n in range(8)
+    ]
+    lesions.append(aLesion(np.zeros(3), np.array([0.0, 1.0, 0.0]), 6.0))  # towards who looks
+    places = _besides(lesions)
+    for number, (place, lesion) in enumerate(zip(places, lesions, strict=True)):
+        off = lesion.line.nearest(place[None]).distances[0]
+        assert off >= 0.9 * lesion.reference_diameter
+        others = [np.linalg.norm(place - other) for other in places[:number]]
+        assert not others or min(others) > 3.0
+
+
+def hoverOver(host, panel, row):
+    from PySide6 import QtCore, QtTest
+
+    table = panel.ui.lesionTable
+    place = table.visualItemRect(table.item(row, 1)).center()
+    QtTest.QTest.mouseMove(table.viewport(), place)
+    QtCore.QCoreApplication.sendEvent(
+        table.viewport(),
+        QtGui.QMouseEvent(
+            QtCore.QEvent.MouseMove,
+            QtCore.QPointF(place),
+            table.viewport().mapToGlobal(QtCore.QPointF(place)),
+            QtCore.Qt.NoButton,
+            QtCore.Qt.NoButton,
+            QtCore.Qt.NoModifier,
+        ),
+    )
+    host.process()
+
+
+def test_a_lesion_is_marked_while_the_mouse_is_on_its_row(host, theInputs, aScene):
+    found(host, theInputs)
+    camera = aScene.AddNewNodeByClass("vtkMRMLCameraNode")
+    before = camera.GetFocalPoint()
+    theInputs.ui.lesionTable.underMouse = lambda: True
+    hoverOver(host, theInputs, 0)
+    assert marks(aScene)[1] is not None
+    assert camera.GetFocalPoint() == before
+    assert theInputs.lesions.selected is None
+    theInputs.ui.lesionTable.underMouse = lambda: False
+    host.process(0.4)
+    assert marks(aScene)[1] is None
+    clickRow(host, theInputs.ui.lesionTable, 0)
+    hoverOver(host, theInputs, 0)
+    host.process(0.4)
+    assert marks(aScene)[1] is not None
+
+
+def test_a_lesion_that_nobody_named_is_called_by_side_and_generation(host, theInputs):
+    from dataclasses import replace
+
+    from SDFStentSlicer.LesionTable import _texts
+
+    (lesion,) = found(host, theInputs)
+    side = theInputs.lesions._search.sideOf(lesion)
+    assert lesion.branch_name == f"{side} pulmonary artery"  # as the vessel's faces call it
+    assert _texts(1, lesion, side)[0] == "1 left pulmonary artery"
+    nameless = replace(lesion, branch_name="branch of 5.7 mm from 75 mm on (3 outlets)")
+    nameless = replace(nameless, generation=3)
+    assert _texts(2, nameless, side)[0] == "2 left, generation 3"

@@ -91,7 +91,7 @@ def test_ratios_are_shown_while_sizes_change(host, aLesion):
             ui.deviceLabel.text
         )
         share = balloon / lesion.minimum_diameter
-        assert f"balloon : stenosis {share:.2f} (above 3.0" in ui.deviceLabel.text
+        assert f"Balloon : stenosis {share:.2f}; above 3.0" in ui.deviceLabel.text
         isWide = lumen / healthy > 1.2
         assert ("times as wide as the healthy vessel" in ui.deviceLabel.text) == isWide
         assert ("times as wide as the stenosis" in ui.deviceLabel.text) == (share > 3)
