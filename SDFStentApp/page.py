@@ -424,7 +424,7 @@ class Page:
         """Where the stations of the plot are (k, 3), and how wide the vessel is there (k,), mm."""
         run, lesion = self.widget.logic.lastRun(self.parameters), self.widget.lesions.plotted
         if self.parameters.outputChart is None and lesion is not None:
-            return lesion.line.points, lesion.diameters
+            return lesion.points, lesion.diameters
         if run is None or run.result is None:
             return (), ()
         profile = run.result.stents[run.shownStent or 0].around_after

@@ -12,7 +12,7 @@ from .Charts import createChart
 from .Handles import CURVE, POINTS
 from .Marks import createMark, removeMark
 from .PanelParts import fitColumns
-from .Portions import SteppedRun
+from .Portions import SteppedRun, working
 
 COLOR, SELECTED_COLOR = (0.65, 0.38, 0.02), (1.0, 0.36, 0.0)
 """Of the numbers: they can be read on light and dark views, and on the wall."""
@@ -33,7 +33,7 @@ APART = 5.0
 
 
 class LesionMarks:
-    """Markups to look at only, which nobody can move, and a plot of one of them, the lesion `plotted`."""
+    """Markups to look at only, which nobody can move, and a plot along one of them, its `Around` `plotted`."""
 
     def __init__(self):
         self._lesions, self._numbers, self._extent, self._chart = (), None, None, []
@@ -70,17 +70,16 @@ class LesionMarks:
         """That plot, None without."""
         return self._chart[-1] if self._chart else None
 
-    def plot(self, index):
-        """Show how wide one of them is along the vessel, unless the user looks at a plot of his own."""
-        lesion, former = self._lesions[index], self._chart
-        self.plotted = lesion
+    def plot(self, index, around):
+        """Show how wide the vessel is along one of them, by its `Around`, unless the user looks at a plot of his own."""
+        former, self.plotted = self._chart, around
         red, _blue, dark = Results.SERIES.values()
         self._chart = createChart(
             _("Lesion {number}: red lumen, dashed healthy vessel").format(number=index + 1),
-            (_("From the root (mm)"), lesion.start + lesion.line.arc_lengths),
+            (_("From the root (mm)"), around.along),
             {
-                _("Lumen (mm)"): (lesion.diameters, red),
-                _("Healthy vessel (mm)"): (lesion.healthy, dark),
+                _("Lumen (mm)"): (around.diameters, red),
+                _("Healthy vessel (mm)"): (around.healthy, dark),
             },
         )
         for node in former:
@@ -124,6 +123,9 @@ def _locked(node):
     return node
 
 
+LEAST, ROW = 72, 24
+"""Pixels of the table with two rows, as in the `.ui` file, and of a row."""
+
 LOOK_MS = 200
 """So often it is looked whether the mouse has left the table."""
 
@@ -134,15 +136,17 @@ SETTLE_MS = 250
 class LesionTable:
     """Searches in small portions once vessel and centerline are chosen, and shows in `ui.lesionTable` what was found.
 
-    `onSelect(lesion)` is called when the user selects a lesion; `selected` is that one, None without. `onFound()` is called when
+    `roomOf()` tells how many pixels it may be higher. `onSelect(lesion)` is called when the user selects a lesion; `selected` is that one, None without. `onFound()` is called when
     a search has ended and the vessel could be measured.
     """
 
-    def __init__(self, ui, searchOf, onSelect, onFound):
+    def __init__(self, ui, searchOf, onSelect, onFound, roomOf=lambda: 0):
         self.ui, self._searchOf, self._onSelect, self._onFound = ui, searchOf, onSelect, onFound
+        self._roomOf = roomOf
         self._parameterNode = self._search = self._inputs = None
         self._updating, self._marks = False, LesionMarks()
         self._run = SteppedRun(lambda _value: None, self._done)
+        self._plotting = SteppedRun(lambda _value: None, self._onPlotted)
         self._timer = Clock.timer(self._begin, SETTLE_MS)
         fitColumns(ui.lesionTable)
         ui.lesionTable.connect("itemSelectionChanged()", self._selectionChanged)
@@ -156,7 +160,8 @@ class LesionTable:
     @property
     def isBusy(self):
         """Whether a search is under way or about to start."""
-        return self._run.isRunning or self._timer.isActive()
+        runs = self._run, self._plotting
+        return any(run.isRunning for run in runs) or self._timer.isActive()
 
     @property
     def selected(self):
@@ -173,7 +178,7 @@ class LesionTable:
 
     @property
     def plotted(self):
-        """The lesion of that plot, None without."""
+        """The `Around` of that plot, None without."""
         return self._marks.plotted
 
     def follow(self, parameterNode):
@@ -201,6 +206,7 @@ class LesionTable:
     def _leave(self):
         self._timer.stop()
         self._run.cancel()
+        self._plotting.cancel()
         self._search = None
         self._show("")
 
@@ -257,10 +263,18 @@ class LesionTable:
         self._marks.show(lesions)
         if lesions:
             self._plot(0)
+        self._reach(len(rows))
         table.visible = len(rows) > 0
         self._offer()
         self.ui.lesionLabel.text = sentence
         self.ui.lesionLabel.visible = bool(sentence)
+
+    def _reach(self, count):
+        """Be as high as all rows need, as far as the window has room; what lies below moves only when a search ends."""
+        table = self.ui.lesionTable
+        table.minimumHeight = table.maximumHeight = LEAST
+        more = min(max(0, count - 2), self._roomOf() // ROW) * ROW
+        table.minimumHeight = table.maximumHeight = LEAST + more
 
     def _offer(self):
         self.ui.suggestButton.enabled = self.selected is not None
@@ -276,7 +290,19 @@ class LesionTable:
     def _plot(self, row):
         """As long as there is no result to be plotted."""
         if self._parameterNode.outputChart is None:
-            self._marks.plot(row)
+            self._plotting.cancel()
+            self._plotting.start(self._plotted(self._search, row))
+
+    def _plotted(self, search, row):
+        """Plot a lesion once the vessel on both sides of it is measured; yields until then."""
+        around = yield from working(search.around(search.found[row]))
+        self._marks.plot(row, around)
+        yield 1.0
+
+    @staticmethod
+    def _onPlotted(error):
+        if error is not None:
+            raise error
 
     def _clicked(self, _row, _column):
         """Go there again when the selected one is clicked once more."""

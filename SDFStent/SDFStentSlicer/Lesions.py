@@ -1,5 +1,7 @@
 """The lesions of a vessel: found once, off the application's thread."""
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from slicer.i18n import tr as _
 
@@ -16,6 +18,44 @@ def withSections(lesions):
     return lesions
 
 
+class Around(NamedTuple):
+    """How wide the vessel is along a lesion, and healthy vessel on both sides."""
+
+    points: Any
+    """(k, 3) mm."""
+    along: Any
+    """(k,) from the root, mm."""
+    diameters: Any
+    """(k,) mm; NaN where not known."""
+    healthy: Any
+    """(k,) mm; NaN beside the lesion."""
+
+
+DIAMETERS, SPACING = 2.0, 0.5
+"""Of healthy vessel that is shown on both sides of a lesion, in its diameters; between places there, mm."""
+
+
+def around(vessel, lesion):
+    """The `Around` of a lesion of the library's `Vessel`."""
+    tree, line = vessel.centerline, lesion.line
+    reach = DIAMETERS * lesion.reference_diameter
+    ways = (
+        tree.path_from_distal(line.points[0], reach).line,
+        tree.path_from_proximal(line.points[-1], reach).line,
+    )
+    parts = [(line.points, line.arc_lengths, lesion.diameters, lesion.healthy)]
+    for way, offset, side in zip(ways, (-ways[0].length, line.length), (0, 1), strict=True):
+        if way.length < SPACING:
+            continue  # the vessel ends there
+        found = vessel.diameters(way, SPACING)
+        kept = slice(None, -1) if side == 0 else slice(1, None)
+        unknown = np.full(len(found.arc_length), np.nan)
+        columns = found.centers, found.arc_length + offset, found.inscribed_diameter, unknown
+        parts.insert(len(parts) * side, tuple(column[kept] for column in columns))
+    points, along, diameters, healthy = map(np.concatenate, zip(*parts, strict=True))
+    return Around(points, lesion.start + along, diameters, healthy)
+
+
 class LesionSearch:
     """The lesions of one vessel with one centerline. No nodes in here.
 
@@ -28,6 +68,7 @@ class LesionSearch:
         self._inputs = inputs
         self.found, self.sentence, self.remark = None, "", ""
         self._vessel = self._model = None
+        self._around = {}
 
     def portions(self):
         """Search; yields None until it is done. Does nothing when it is."""
@@ -42,6 +83,13 @@ class LesionSearch:
             self.found = yield from inPortions(lambda: withSections(vessel.lesions))
         except InputError as error:
             self.found, self.sentence = (), str(error)
+
+    def around(self, lesion):
+        """The `Around` of a lesion that was found; a generator that yields None until it is known."""
+        if lesion not in self._around:
+            vessel = self._vessel
+            self._around[lesion] = yield from inPortions(lambda: around(vessel, lesion))
+        return self._around[lesion]
 
     def sideOf(self, lesion):
         """The patient's side on which a lesion lies from where the root parts first."""

@@ -118,6 +118,12 @@ class PanelSize:
         for section in slicer.util.findChildren(panel, className="ctkCollapsibleButton"):
             section.connect("contentsCollapsed(bool)", lambda _isCollapsed: self.fit())
 
+    @property
+    def room(self):
+        """How much higher the window is than what the panel needs, pixels; 0 in the page, which scrolls."""
+        height = getattr(self._panel, "height", 0)
+        return max(0, height - self._panel.layout().heightForWidth(self._panel.width))
+
     def fit(self):
         """Something in the panel may be higher or lower now."""
         self._timer.start()

@@ -177,8 +177,11 @@ class PanelState:
         selector.blockSignals(wasBlocked)
 
     @staticmethod
-    def chooseOnly(parameterNode):
-        """Choose the only wall and the only lines of a scene, where nothing is chosen: there is nothing to ask."""
+    def chooseOnly(parameterNode, hasNew=False):
+        """Choose the only wall and the only lines of a scene, where nothing is chosen: there is nothing to ask.
+
+        Where there is something new, either for itself.
+        """
         models = slicer.util.getNodesByClass("vtkMRMLModelNode")
         inputs = [
             one
@@ -190,7 +193,9 @@ class PanelState:
             for isIt in (Conversion.hasWall, Conversion.hasLines)
         )
         others = slicer.util.getNodesByClass("vtkMRMLSegmentationNode")
-        if others or walls == lines:
+        isChosen = parameterNode.vessel is not None or parameterNode.centerline is not None
+        isClear = len(walls) == len(lines) == 1 and not isChosen
+        if others or walls == lines or not (hasNew or isClear):
             return
         with slicer.util.NodeModify(parameterNode):
             if parameterNode.vessel is None and len(walls) == 1:

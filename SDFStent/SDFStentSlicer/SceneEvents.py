@@ -117,7 +117,7 @@ class SceneEvents:
 
     def _offer(self):
         if self._parameterNode is not None:
-            self._state.chooseOnly(self._parameterNode)
+            self._state.chooseOnly(self._parameterNode, hasNew=True)
             self._state.offer(self._parameterNode)
 
     @calldata_type(VTK_OBJECT)

@@ -73,7 +73,11 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._state = PanelState(self.ui, self.logic, self.session, self._size)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(
-            self.ui, self.logic.lesionSearch, self._onSelectLesion, self._prepare
+            self.ui,
+            self.logic.lesionSearch,
+            self._onSelectLesion,
+            self._prepare,
+            lambda: self._size.room,
         )
         self.plans = PlanTable(self.ui, self.logic, self._attempt, self._switchTo)
         self.sections = [
@@ -95,6 +99,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             timer.stop()
 
     def enter(self):
+        self._added.stop()  # what came before is no news
         self.initializeParameterNode()
         self._state.chooseOnly(self._parameterNode)
 

@@ -208,11 +208,23 @@ def test_a_lesion_is_plotted_until_there_is_a_result(host, theInputs, aScene):
         clickRow(host, ui.lesionTable, row)
         assert shown().GetTitle().startswith(f"Lesion {row + 1}:")
         along, before = drawn(0)
-        assert along[[0, -1]] == pytest.approx([lesion.start, lesion.end], abs=0.05)
-        np.testing.assert_array_equal(before, lesion.diameters)
-        np.testing.assert_array_equal(drawn(1)[1], lesion.healthy)
+        # Two diameters of healthy vessel on both sides, as far as it goes on.
+        reach = 2 * lesion.reference_diameter
+        assert lesion.start - reach - 0.1 <= along[0] < lesion.start
+        assert lesion.end < along[-1] <= lesion.end + reach + 0.1
+        assert along[-1] == pytest.approx(lesion.end + reach, abs=0.1)
+        assert (np.diff(along) > 0).all()
+        within = (along > lesion.start - 1e-6) & (along < lesion.end + 1e-6)
+        np.testing.assert_array_equal(before[within], lesion.diameters)
+        np.testing.assert_array_equal(drawn(1)[1][within], lesion.healthy)
+        assert np.isnan(drawn(1)[1][~within]).all()
+        plotted = theInputs.lesions.plotted
+        radii = theInputs.logic.centerlineOf(theInputs._parameterNode)
+        places = [radii.project(point) for point in plotted.points]
+        known = np.array([2 * place.inscribed_radius for place in places])
+        np.testing.assert_allclose(before[~within], known[~within], rtol=0.06)
         assert not shown().GetSaveWithScene()
-        assert shown().GetYAxisRange()[1] > max(np.nanmax(lesion.diameters), lesion.healthy.max())
+        assert shown().GetYAxisRange()[1] > max(np.nanmax(before), lesion.healthy.max())
     assert len(slicer.util.getNodesByClass("vtkMRMLPlotChartNode")) == 1
     clickRow(host, ui.lesionTable, 0)
     host.click(ui.addStentButton)
@@ -329,3 +341,29 @@ def test_a_lesion_that_nobody_named_is_called_by_side_and_generation(host, theIn
     nameless = replace(lesion, branch_name="branch of 5.7 mm from 75 mm on (3 outlets)")
     nameless = replace(nameless, generation=3)
     assert _texts(2, nameless, side)[0] == "2 left, generation 3"
+
+
+@pytest.mark.parametrize(("height", "rows"), [(500, 2), (900, None), (1600, 11)])
+def test_as_many_lesions_are_seen_as_the_window_has_room_for(host, theInputs, height, rows):
+    from PySide6 import QtWidgets
+
+    lesions = found(host, theInputs)
+    area = QtWidgets.QScrollArea()  # as `qSlicerModulePanel` has one
+    area.setWidgetResizable(True)
+    area.setWidget(theInputs.parent)
+    area.resize(480, height)
+    area.show()
+    host.process()
+    table = theInputs.ui.lesionTable
+    theInputs.lesions._show("", lesions * 11)
+    host.process()
+    seen = (table.viewport().height()) // table.rowHeight(0)
+    assert seen == rows or (rows is None and 2 <= seen <= 11)
+    # What has to be seen below still is, or nothing is left that could be taken.
+    panel = theInputs.parent
+    assert seen == 2 or QtWidgets.QWidget.height(panel) <= area.viewport().height()
+    theInputs.lesions._show("", lesions)
+    host.process()
+    assert (table.viewport().height()) // table.rowHeight(0) == 2
+    area.takeWidget()
+    area.close()

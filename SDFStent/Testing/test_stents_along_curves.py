@@ -35,7 +35,7 @@ def test_add_without_a_centerline_makes_a_stent_along_an_empty_curve(host, aPane
     assert stent.foreshortening == 0.0
     assert stent.handle.IsA("vtkMRMLMarkupsCurveNode")
     assert stent.handle.GetNumberOfControlPoints() == 0
-    assert "place 2 point(s)" in aPanel.ui.statusLabel.text
+    assert "click along its axis" in aPanel.ui.statusLabel.text
     assert aPanel.ui.placeWidget.currentNode() is stent.handle
 
 
