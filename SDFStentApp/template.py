@@ -167,7 +167,7 @@ def _number(widget: Number, common: str, disabled: str) -> str:
     again = f"$event.target.value = {v}.toFixed({name}.decimals)"  # what was taken of it
     box = (
         f'<input type="number" :value="{v}.toFixed({name}.decimals)" :step="{name}.step" '
-        f':min="{name}.min" :max="{name}.max" {disabled} :aria-label="{name}.tip" '
+        f':min="{name}.min" :max="{name}.max" {disabled} :aria-label="{name}.tip" {COMMA}'
         f"""@change="window.inOrder('edit', ['{name}', $event.target.valueAsNumber]).then(() => {again})">"""
     )
     special = (
@@ -201,6 +201,10 @@ ROW_KEYS = " ".join(
     for key, to in (("up", "previous"), ("down", "next"))
 )
 """From row to row of a table."""
+
+
+COMMA = "@keydown.,.prevent=\"window.document.execCommand('insertText', false, '.')\" "
+"""In a number a comma is as good as a point, whatever the language of the browser."""
 
 
 def _hovered(name: str) -> str:

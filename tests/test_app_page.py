@@ -817,6 +817,33 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
     assert float(a_visit.number("diameterSlider").input_value()) == pytest.approx(stent.diameter)
 
 
+def test_a_comma_is_taken_for_a_point_and_what_does_not_fit_is_said(a_visit):
+    a_visit.add_stent()
+    box = a_visit.number("diameterSlider")
+    for typed, value in (("7,5", "7.50"), ("6.5", "6.50")):
+        box.click()
+        box.press("Control+a")
+        box.press_sequentially(typed)
+        box.press("Enter")
+        playwright.expect(box).to_have_value(value)
+    box.press("Control+a")
+    box.press_sequentially("99")
+    box.press("Enter")
+    a_visit.page.get_by_text("got 99").first.wait_for()
+    playwright.expect(box).to_have_value("6.50")
+
+
+def test_the_lesion_under_the_mouse_is_marked_in_the_view_and_named_in_full(a_visit):
+    a_visit.until("lesionTable", "%")
+    row = a_visit.named("lesionTable").locator("tbody tr").first
+    playwright.expect(row).to_contain_text("left pulmonary artery")
+    cell = row.locator("td").first
+    assert cell.evaluate("one => one.scrollWidth <= one.clientWidth")
+    row.hover()
+    a_visit.seen(is_selected_lesion)
+    playwright.expect(a_visit.named("suggestButton")).to_be_disabled()  # it is not chosen
+
+
 def test_keys_move_a_stent_end_placing_take_back_and_choose_rows(a_visit):
     keyboard, rows = a_visit.page.keyboard, a_visit.named("stentTable").locator("tbody tr")
     a_visit.add_stent()
