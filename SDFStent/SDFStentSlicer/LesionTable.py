@@ -1,127 +1,15 @@
 """The lesions of the vessel, in a table of the panel and in the views."""
 
-import numpy as np
 import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.report import degree_word, lesion_sentences
 from SDFStentLib.vessel import SMALLEST_DEGREE
 
-from . import Clock, Results
-from .Charts import createChart
-from .Handles import CURVE, POINTS
-from .Marks import createMark, removeMark
+from . import Clock
+from .LesionMarks import LesionMarks
 from .PanelParts import fitColumns
 from .Portions import SteppedRun, working
-
-COLOR, SELECTED_COLOR = (0.65, 0.38, 0.02), (1.0, 0.36, 0.0)
-"""Of the numbers: they can be read on light and dark views, and on the wall."""
-SPACING, THICKNESS = 1.5, 1.2
-"""Of the points of a line, mm, and its diameter, mm."""
-GLYPH, TEXT, NO_GLYPH = 1.5, 4.0, 0.01
-"""Of a point; of a number; of the point of one, which marks nothing; percent of a view."""
-GROUND = (1.0, 0.97, 0.92)
-"""Of a number."""
-FRONT, SIDE = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
-"""To where one looks who looks at a patient, and across that."""
-NEARLY = 0.1
-"""Part of a line seen from the front below which it goes to the front itself."""
-BESIDE = (1.0, -1.0, 1.7, -1.7, 2.4, -2.4)
-"""So many diameters of the healthy vessel beside its axis a number may stand."""
-APART = 5.0
-"""Between two numbers at least, where there is room, mm."""
-
-
-class LesionMarks:
-    """Markups to look at only, which nobody can move, and a plot along one of them, its `Around` `plotted`."""
-
-    def __init__(self):
-        self._lesions, self._numbers, self._extent, self._chart = (), None, None, []
-        self.plotted = None
-
-    def show(self, lesions):
-        """Mark the library's lesions in place of all former ones; none of them is selected."""
-        for node in (self._numbers, *self._chart):
-            removeMark(node)
-        self._lesions, self._numbers, self._chart, self.plotted = lesions, None, [], None
-        if lesions:
-            texts = [f" {number} " for number in range(1, len(lesions) + 1)]
-            self._numbers = _locked(createMark(POINTS, _("Lesions"), _besides(lesions), texts))
-            _asSigns(self._numbers.GetDisplayNode())
-        self.select(None)
-
-    def hideLine(self):
-        """Take away the line along the one that is marked strongly."""
-        removeMark(self._extent)
-        self._extent = None
-
-    def select(self, index):
-        """Mark one of them strongly, or None."""
-        self.hideLine()
-        for number in range(len(self._lesions)):
-            self._numbers.SetNthControlPointSelected(number, number == index)
-        if index is not None:
-            points = self._lesions[index].line.resampled(SPACING).points
-            texts = [""] * len(points)
-            self._extent = _locked(createMark(CURVE, _("Selected lesion"), points, texts))
-
-    @property
-    def chart(self):
-        """That plot, None without."""
-        return self._chart[-1] if self._chart else None
-
-    def plot(self, index, around):
-        """Show how wide the vessel is along one of them, by its `Around`, unless the user looks at a plot of his own."""
-        former, self.plotted = self._chart, around
-        red, _blue, dark = Results.SERIES.values()
-        self._chart = createChart(
-            _("Lesion {number}: red lumen, dashed healthy vessel").format(number=index + 1),
-            (_("From the root (mm)"), around.along),
-            {
-                _("Lumen (mm)"): (around.diameters, red),
-                _("Healthy vessel (mm)"): (around.healthy, dark),
-            },
-        )
-        for node in former:
-            removeMark(node)
-
-
-def _besides(lesions):
-    """Where the numbers stand, a row each: beside the vessel as it is seen from the front, where no handle is, and none on another."""
-    placed = []
-    for lesion in lesions:
-        across = np.cross(np.diff(lesion.line.points[[0, -1]], axis=0)[0], FRONT)
-        length = np.linalg.norm(across)
-        across = across / length if length > NEARLY * lesion.line.length else SIDE
-        steps = lesion.reference_diameter * np.outer(BESIDE, across)
-        places = np.add(lesion.point, steps)
-        apart = [min((np.linalg.norm(one - p) for p in placed), default=np.inf) for one in places]
-        free = [place for place, room in zip(places, apart, strict=True) if room >= APART]
-        placed.append(free[0] if free else places[int(np.argmax(apart))])
-    return placed
-
-
-def _asSigns(display):
-    """Numbers on a ground of their own: on the wall a 1 was read as a bracket."""
-    display.SetGlyphScale(NO_GLYPH)
-    text = display.GetTextProperty()
-    text.BoldOn()
-    text.ShadowOff()
-    text.SetBackgroundColor(*GROUND)
-    text.SetBackgroundOpacity(1.0)
-
-
-def _locked(node):
-    node.SetLocked(True)
-    display = node.GetDisplayNode()
-    display.SetColor(*COLOR)
-    display.SetSelectedColor(*SELECTED_COLOR)
-    display.SetGlyphScale(GLYPH)
-    display.SetCurveLineSizeMode(display.UseLineDiameter)
-    display.SetLineDiameter(THICKNESS)
-    display.SetTextScale(TEXT)
-    return node
-
 
 LEAST, ROW = 72, 24
 """Pixels of the table with two rows, as in the `.ui` file, and of a row."""

@@ -280,6 +280,11 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.ui.showTableButton.connect(
             "clicked()", lambda: self.logic.showTable(self._parameterNode)
         )
+        self.ui.placeCollapsibleButton.connect(
+            # A section that is opened shows what was hidden while it was closed.
+            "contentsCollapsed(bool)",
+            lambda _isClosed: self._state.enable(self._parameterNode),
+        )
         self.ui.defaultsButton.connect(
             "clicked()", lambda: self.logic.restoreMethod(self._parameterNode)
         )

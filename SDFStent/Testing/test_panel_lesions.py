@@ -276,7 +276,7 @@ def aLesion(point, along, diameter):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_numbers_of_lesions_do_not_lie_on_each_other_or_on_the_vessel(theModule, seed):
-    from SDFStentSlicer.LesionTable import _besides
+    from SDFStentSlicer.LesionMarks import _besides
 
     rng = np.random.default_rng(seed)
     lesions = [
