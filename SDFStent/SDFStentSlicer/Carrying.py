@@ -19,18 +19,22 @@ class Carrying:
         self._known = {}
 
     def follow(self, parameterNode, plans):
-        """Bring what belongs to a node of a plan to where that is now, for all `plans`; what is left behind is in `status` afterwards."""
+        """Bring what belongs to a node of a plan to where that is now, for all `plans`; what is left behind is in `status` afterwards.
+
+        Returns whether it was elsewhere before.
+        """
         node = parameterNode.centerline or parameterNode.vessel
         if node is None:
-            return
+            return False
         content, matrix = Conversion.contentOf(node), matrixToWorld(node)
         former, self._known[node.GetID()] = self._known.get(node.GetID()), (content, matrix)
         if former is None or former[0] != content or _isSame(former[1], matrix):
-            return
+            return False
         change = _change(former[1], matrix)
         for plan in plans:
             if node is (plan.centerline or plan.vessel):
                 _carry(plan, change, node)
+        return True
 
 
 def _isSame(former, matrix):

@@ -31,8 +31,10 @@ class DeploySession:
     measurements and certificate begins, unseen; once nothing has changed for a moment, it takes the preview's place.
     """
 
-    def __init__(self, logic, onStart, onProgress, onDone):
+    def __init__(self, logic, onStart, onProgress, onDone, beforeAny=lambda: None):
+        """`beforeAny()` is called before it is looked at what there is to deploy."""
         self._logic, self._onStart, self._onDone = logic, onStart, onDone
+        self._beforeAny = beforeAny
         self._parameterNode = self._signature = None
         self._run = SteppedRun(onProgress, self._finished)
         self._live = self._isQuiet = False
@@ -73,6 +75,7 @@ class DeploySession:
 
     def start(self):
         """Deploy now, in full."""
+        self._beforeAny()
         self._stop()
         self._begin(live=False)
 
@@ -120,6 +123,7 @@ class DeploySession:
 
     def _updateInOneFrame(self):
         try:
+            self._beforeAny()
             self._update()
         finally:
             self._frame.release()

@@ -73,14 +73,24 @@ class HistoryButtons:
 
     def show(self, parameterNode):
         """The parameter node that is shown now, whose plan may have changed."""
-        inputs = parameterNode.vessel, parameterNode.centerline
-        key = (parameterNode.parameterNode.GetID(), *map(_placeOf, inputs))
+        key = self._keyOf(parameterNode)
         history = self._histories.get(key)
         if history is None or history.parameterNode is not parameterNode:
             history = self._histories[key] = History(parameterNode)
         self._history = history
         self._timer.start()
         self._offer()
+
+    def restart(self):
+        """Forget what was before: it lies elsewhere."""
+        plan = self._history.parameterNode
+        self._history = self._histories[self._keyOf(plan)] = History(plan)
+        self._offer()
+
+    @staticmethod
+    def _keyOf(parameterNode):
+        inputs = parameterNode.vessel, parameterNode.centerline
+        return (parameterNode.parameterNode.GetID(), *map(_placeOf, inputs))
 
     def keep(self):
         """Keep the plan as it is, if it was not yet: something else is done to it now."""

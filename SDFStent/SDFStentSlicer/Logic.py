@@ -156,8 +156,12 @@ class SDFStentLogic(
     takenIDs = staticmethod(Outputs.takenIDs)
 
     def carry(self, parameterNode):
-        """Bring handles and results along where the transform of what they lie in has changed since this was asked last."""
-        self._carrying.follow(parameterNode, map(self.parameterSet, self.getAllParameterNodes()))
+        """Bring handles and results along where the transform of what they lie in has changed since this was asked last.
+
+        Returns whether it has.
+        """
+        plans = map(self.parameterSet, self.getAllParameterNodes())
+        return self._carrying.follow(parameterNode, plans)
 
     def centerlineOf(self, parameterNode):
         """The library's centerline of a parameter node, in world coordinates."""

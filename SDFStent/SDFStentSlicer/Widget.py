@@ -68,7 +68,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
 
     def _makeSections(self, uiWidget):
         self.logic = self.logic or SDFStentLogic()
-        self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
+        self.session = DeploySession(
+            self.logic, self._onStart, self._onProgress, self._onDone, self._carry
+        )
         self._size, self._typed = PanelSize(uiWidget), TypedNumbers(uiWidget, self._attempt)
         self._state = PanelState(self.ui, self.logic, self.session, self._size)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
@@ -215,8 +217,8 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._requestUpdate()
 
     def _carry(self):
-        if self._parameterNode is not None:
-            self.logic.carry(self._parameterNode)
+        if self._parameterNode is not None and self.logic.carry(self._parameterNode):
+            self.sections[0].restart()
 
     def onHandleMoved(self, handle):
         if self._parameterNode is not None:

@@ -58,6 +58,7 @@ def test_where_it_is_missing_the_panel_says_how_to_install_it(host, aPanel, aVes
 
 
 def test_a_vessel_under_a_transform_is_refused(host, aPanel, aVessel, aScene, theirModule):
+    host.process()  # what was loaded is chosen
     matrix = aScene.AddNewNodeByClass("vtkMRMLLinearTransformNode")
     aVessel[0].SetAndObserveTransformNodeID(matrix.GetID())
     aPanel.ui.vesselSelector.setCurrentNode(aVessel[0])

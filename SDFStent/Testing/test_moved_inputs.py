@@ -56,6 +56,7 @@ def test_handles_and_results_go_along(host, aStent, aTransform, isLive):
         np.testing.assert_allclose(pointsOf(node), moved, atol=0.05 if isLive else 1e-3)
     assert "expected" not in aStent.ui.statusLabel.text
     deploy(host, aStent)
+    host.process(0.5)
     assert parameters.certificateSummary
     assert not aStent.ui.undoButton.enabled  # what was before lies elsewhere
 
