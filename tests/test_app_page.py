@@ -337,7 +337,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     a_visit.until("atHand", "certified for meshing")
     told = a_visit.text("atHand").splitlines()
     assert re.fullmatch(r"narrowest [\d.]+ -> [\d.]+ mm", told[1])
-    assert len(told) <= 6
+    assert len(told) <= 8
     twice = re.compile("Minimum lumen.*Minimum lumen", re.DOTALL)
     playwright.expect(a_visit.named("lumenLabel")).to_have_text(twice)
     assert a_visit.text("lumenLabel").count("Minimum lumen") == 2

@@ -83,5 +83,8 @@ def test_a_straightened_stent_is_measured_along_its_straightened_axis(aLogic, th
     for axis in (drawn.axis, treated.axis):
         np.testing.assert_allclose(axis.points, straight.points, atol=1e-12)
     own = diameter_profile(vessel, straight.points)
-    assert treated.before.minimum == pytest.approx(own.minimum, abs=1e-6)
+    assert treated.before.mean == pytest.approx(own.mean, abs=1e-6)
+    # The narrowest place of a stent that lies at a lesion is that of the lesion.
+    (lesion,) = run.lesions
+    assert treated.before.minimum == lesion.before.minimum_diameter
     assert abs(treated.before.mean - diameter_profile(vessel, plain.points).mean) > 1e-4
