@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# vtk 9.7.2 (also 9.6.2): a .vtp with steps of time comes back with all steps laid over each other.
+# vtk 9.7.2: a .vtp with steps of time comes back with all steps laid over each other.
 #
 # vtkXMLPolyDataWriter writes two steps of one tube. With appended data (its default) its own reader
 # gives the tube back. With inline data (binary or ascii) the writer repeats the piece for every
