@@ -17,6 +17,7 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms import branching_pulmonary_artery
+from SDFStentLib.plan import read_input_files
 from SDFStentLib.validation import InputError
 
 
@@ -124,6 +125,27 @@ def test_a_line_of_the_other_frame_is_refused_though_most_of_it_lies_inside(a_fo
     words = "inside; one is in RAS and the other in LPS .it would fit with x and y negated"
     with pytest.raises(InputError, match=words):
         check_same_space(a_fork.surface, line)
+
+
+@pytest.mark.parametrize(
+    ("factor", "turn", "words"),
+    [
+        (1, -1, "one is in RAS and the other in LPS"),
+        (0.1, 1, "it would fit 10 times as large"),
+        (1000, 1, "it would fit 0.001 times as large"),
+    ],
+)
+def test_lines_far_from_their_wall_are_told_to_be_so_before_a_tree_is_made_of_them(
+    tmp_path, factor, turn, words
+):
+    """Without radii the wall tells how wide the lumen is: far from it all lines seem to be one."""
+    surface = tmp_path / "surface.vtp"
+    surface.write_bytes(encode_vtp(polydata_from_arrays(*moved_tube())))
+    points = factor * axis() * (turn, turn, 1)
+    line = tmp_path / "line.vtp"
+    line.write_bytes(encode_vtp(polydata_from_lines(points, [np.arange(len(points))])))
+    with pytest.raises(InputError, match=f"expected it inside .*surface.vtp, .*{words}"):
+        read_input_files(surface, line)
 
 
 @pytest.mark.parametrize("beyond", [1.1, 1.3, 1.8])

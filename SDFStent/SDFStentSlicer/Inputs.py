@@ -102,9 +102,10 @@ class Inputs:
             else:
                 surface = (yield from self.vesselInPortions(parameterNode)).surface
                 how = {"wall": surface.points, "widths": LineEnds(surface).widths}
-                tree = yield from inPortions(lambda: Centerline.from_lines(*lines, **how))
                 names = vessel.GetName(), parameterNode.centerline.GetName()
-                told = yield from inPortions(lambda: _misfits(surface, tree, *names))
+                # First: far from their wall, lines seem to run in one wide lumen, and no tree is left.
+                told = yield from inPortions(lambda: _misfits(surface, lines, *names))
+                tree = yield from inPortions(lambda: Centerline.from_lines(*lines, **how))
                 centerline, moved = yield from inPortions(
                     lambda: with_ends_in_middle(surface, tree)
                 )
@@ -181,10 +182,14 @@ class Inputs:
         return float(round(np.quantile(known, AS_WIDE_AS), 1)) if len(known) else 8.0
 
 
-def _misfits(surface, centerline, vesselName, name):
-    """What there is to say of a centerline that lies in a vessel, but for a part; `InputError` for one of another vessel."""
+def _misfits(surface, lines, vesselName, name):
+    """What there is to say of a centerline's lines that lie in a vessel, but for a part; `InputError` for those of another vessel."""
+    points, numbers, _radii = lines
     names = {"surface_name": vesselName, "centerline_name": name}
-    return [str(one) for one in check_same_space(surface, centerline.points, **names)]
+    return [
+        str(one)
+        for one in check_same_space(surface, points[np.unique(np.concatenate(numbers))], **names)
+    ]
 
 
 def _endOfSlider(size):

@@ -78,6 +78,11 @@ class LineFile:
         return copy
 
     @property
+    def drawn_points(self) -> Points:
+        """The points (k, 3) that its lines go through, each once, mm."""
+        return self.points[np.unique(np.concatenate(self.lines))]
+
+    @property
     def ends(self) -> Points:
         """Where its lines begin and end, (n, 2, 3) mm."""
         return self.points[[[line[0], line[-1]] for line in self.lines if len(line)]]

@@ -101,9 +101,10 @@ def read_input_files(
     if centerline is not None:
         line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
         wall = surface_file.surface
-        tree = line_file.centerline(marks.root, wall.points, LineEnds(wall).widths)
         warnings += line_file.warnings
-        warnings += in_same_space(surface_file, tree.points, os.fspath(centerline))
+        # First: far from their wall, lines seem to run in one wide lumen, and no tree is left.
+        warnings += in_same_space(surface_file, line_file.drawn_points, os.fspath(centerline))
+        tree = line_file.centerline(marks.root, wall.points, LineEnds(wall).widths)
         tree, moved = with_ends_in_middle(wall, tree)
         warnings += (*moved, *loops_told(tree))
     elif marks.names:
