@@ -1,6 +1,5 @@
 """What flows through a tree of vessels, and what pressure it costs, before and after."""
 
-from .answer import UNCERTAIN as UNCERTAIN
 from .answer import FlowAnswer as FlowAnswer
 from .answer import FlowModel as FlowModel
 from .answer import Solve as Solve
@@ -20,8 +19,6 @@ from .known import L_PER_MIN as L_PER_MIN
 from .known import Inflow as Inflow
 from .known import Known as Known
 from .known import known_flow as known_flow
-from .moments import Band as Band
-from .moments import Moment as Moment
 from .network import Network as Network
 from .network import Outlets as Outlets
 from .network import State as State
@@ -30,6 +27,9 @@ from .network import steady as steady
 from .outlets import OTHERS as OTHERS
 from .outlets import SideClues as SideClues
 from .outlets import Sides as Sides
+from .seen import UNCERTAIN as UNCERTAIN
+from .seen import Band as Band
+from .seen import Moment as Moment
 from .spans import Drop as Drop
 from .spans import Part as Part
 from .spans import Piece as Piece

@@ -9,21 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Floats, InputError, Place, as_place
-from .blocks import (
-    PER_ML,
-    Block,
-    Blood,
-    Method,
-    Stream,
-    blocks_of,
-    other_turns,
-    turns_of,
-)
+from .blocks import PER_ML, Block, Method, Stream, blocks_of, other_turns, turns_of
 from .channels import Channel, widths_of
 from .course import LEAST, course_of, nodes_of, rough_flow, tip_diameters, tips_of
 from .inlets import FROM_ROOT, Inlets
 from .known import Known
-from .moments import Band, InletLoss, Moment, SpanDrop, reach_of
 from .network import Network, Outlets, State, steady, steady_states
 from .outlets import (
     NOTHING_KNOWN,
@@ -34,27 +24,10 @@ from .outlets import (
     sides_of,
 )
 from .profiles import bends_of
-from .seen import Case, Seen
+from .seen import UNCERTAIN, USUAL, Band, Case, InletLoss, Moment, Seen, SpanDrop, reach_of
+from .sharp_bends import sharp_bends
 from .spans import Part, Ways
 from .tree import tree_between
-
-USUAL = Method()
-
-UNCERTAIN = (
-    ("loss of a jet", (USUAL._replace(loss=0.8), USUAL._replace(loss=1.52))),
-    ("flow that divides", (USUAL._replace(divided=0.4), USUAL._replace(divided=1.2))),
-    ("turns into branches", (USUAL._replace(turned=0.0), USUAL._replace(turned=1.0))),
-    (
-        "viscosity",
-        (
-            USUAL._replace(blood=Blood(viscosity=0.003)),
-            USUAL._replace(blood=Blood(viscosity=0.005)),
-        ),
-    ),
-    ("power of the outlets", (USUAL._replace(power=2.0), USUAL._replace(power=3.0))),
-    ("diameters", (USUAL._replace(wider=-0.1), USUAL._replace(wider=0.1))),
-)
-"""What is uncertain, and how far to both sides; sources in docs/flow.md."""
 
 HALVINGS = 6
 """Of a range of which the known pressures allow a part."""
@@ -180,6 +153,7 @@ class FlowModel:
             turns_of(self.channels, self._widths),
             bends_of(self.channels, self._widths),
             other_turns(self.channels, self._widths),
+            sharp_bends(self.channels, self._widths),
         )
         self._limbs = self._tree.limbs
         self._blocks.clear()
@@ -232,7 +206,9 @@ class FlowModel:
         channels, widths = self._course.along(channels, widths)
         each = [case.network for case in self._cases]
         wider = dict.fromkeys(one.method.wider for one in each)
-        blocks = {one: blocks_of(channels, widths, self._stream, one) for one in wider}
+        known = self.channels, self._widths, self._stream.sharp
+        stream = self._stream._replace(sharp=sharp_bends(channels, widths, known))
+        blocks = {one: blocks_of(channels, widths, stream, one) for one in wider}
         return self._seen([one._replace(blocks=blocks[one.method.wider]) for one in each])
 
     def _seen(self, networks: Sequence[Network]) -> Seen:

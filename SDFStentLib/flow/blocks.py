@@ -16,6 +16,7 @@ import numpy as np
 from ..validation import Floats
 from .channels import OBLONG, Channel, Widths, meeting_of, outlets_of
 from .profiles import Way, layers_of, profile_of, way_of
+from .sharp_bends import NONE, SharpBends
 
 PASCAL_PER_MMHG = 133.322
 PER_ML = 1e-6
@@ -54,7 +55,7 @@ TURNS = 0.75
 
 
 class Method(NamedTuple):
-    """What is taken for given in the equations, how far to be wrong in `answer.UNCERTAIN`."""
+    """What is taken for given in the equations, how far to be wrong in `seen.UNCERTAIN`."""
 
     blood: Blood = Blood()
     loss: float = 1.0
@@ -67,6 +68,8 @@ class Method(NamedTuple):
     """Times the loss of blood that a branch takes over faster than it flows there."""
     turned: float = 0.5
     """Part of the speed's energy across a branch that is lost: all at sharp corners."""
+    bent: float = 0.0
+    """Times what sharp bends may lose beside friction."""
 
     def towards(self, other: Method, part: float) -> Method:
         """A part of the way to another method."""
@@ -93,6 +96,8 @@ class Block(NamedTuple):
     """Share of what it took over in what is faster than blood at the wall; 1 where it begins."""
     turning: float
     """What moves across where it begins, over density and `Method.turned`, 1/m^4."""
+    bending: Floats
+    """Loss of sharp bends from its start to each station, over density and `Method.bent`, 1/m^4."""
     jet: Floats
     """Over the flow the even speed that would carry as much energy, 1/m^2."""
     area: Floats
@@ -159,6 +164,8 @@ class Stream(NamedTuple):
     """(m,) as of `bends_of`."""
     others: Mapping[int, Sequence[float]] = MappingProxyType({})
     """As of `other_turns`."""
+    sharp: SharpBends = NONE
+    """As of `sharp_bends`."""
 
 
 def blocks_of(
@@ -191,19 +198,24 @@ def blocks_of(
     jets = _jets(way, (attached, clings, np.pi * spread * way.step, STANDS / area), stream)
     jet = jets.jet
     turning = _across(way, jet, radius, stream, meeting_of(channels)).tolist()
+    station, part, behind = stream.sharp
+    at_each = np.bincount(behind, part * jet[station] ** 2 / 2, len(jet))
+    bent = np.cumsum(at_each, dtype=np.float64)
     # The wall rubs against what moves along it: not against the dead water round a jet.
     friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
+    resisted, bent = (_from_starts(way, values) for values in (resisted, bent))
     ends = {*outlets_of(channels), *meeting_of(channels)}
     found = []
     for number, (start, end) in enumerate(pairwise(way.starts)):
         found.append(
             Block(
-                friction=resisted[start:end] - resisted[start],
+                friction=resisted[start:end],
                 mixing=jets.mixing[start:end],
                 dividing=jets.dividing[start:end],
                 taken=jets.taken[start:end],
                 turning=turning[number],
+                bending=bent[start:end],
                 jet=jet[start:end],
                 area=area[start:end],
                 beyond=max(jet[end - 1] - math.sqrt(2) / area[end - 1], 0.0) ** 2 / 2
@@ -214,6 +226,11 @@ def blocks_of(
             )
         )
     return tuple(found)
+
+
+def _from_starts(way: Way, values: Floats) -> Floats:
+    """Values (m,) less those where their channels begin."""
+    return np.asarray(values - np.repeat(values[way.starts[:-1]], np.diff(way.starts)))
 
 
 def _summed(step: Floats, values: Floats) -> Floats:

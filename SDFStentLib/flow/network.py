@@ -69,7 +69,10 @@ class Network(NamedTuple):
         ]
         method = self.method
         weights = [method.loss, method.divided, method.turned]
-        return method.blood.density * (np.array(lost) @ weights)
+        whole = np.array(lost) @ weights
+        if method.bent:
+            whole += method.bent * np.array([one.bending[-1] for one in self.blocks])
+        return method.blood.density * whole
 
     @property
     def inertance(self) -> Floats:

@@ -154,6 +154,8 @@ def layers_of(way: Way, area: Floats, spread: Floats, bends: Floats | float = 0.
             grown = steps[k] * _GROWS[at]
             power = _WIDENS[at] * growth[k] - grown * swept[k]
             during = math.expm1(power) / power if power else 1.0
-            square = min(square * math.exp(power) + grown * during, 1.0)
+            square = square * math.exp(power) + grown * during
+            if square > 1.0:
+                square = 1.0
             found.append(math.sqrt(square))
     return np.array(found)

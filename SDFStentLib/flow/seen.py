@@ -1,4 +1,4 @@
-"""States of a network at all the flows at which it is looked at, and what they are in the mean."""
+"""States of a network at all the flows at which it is looked at, and what they tell, with bands."""
 
 from __future__ import annotations
 
@@ -8,11 +8,76 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Floats
-from .blocks import PASCAL_PER_MMHG
+from .blocks import PASCAL_PER_MMHG, Blood, Method
 from .known import Known
 from .network import Network, Outlets, State
 from .outlets import Sides
 from .spans import Piece, drops_over
+
+USUAL = Method()
+
+UNCERTAIN = (
+    ("loss of a jet", (USUAL._replace(loss=0.8), USUAL._replace(loss=1.52))),
+    ("flow that divides", (USUAL._replace(divided=0.4), USUAL._replace(divided=1.2))),
+    # One pair, for both are turns, and every pair takes time.
+    (
+        "turns into branches and in sharp bends",
+        (USUAL._replace(turned=0.0), USUAL._replace(turned=1.0, bent=1.0)),
+    ),
+    (
+        "viscosity",
+        (
+            USUAL._replace(blood=Blood(viscosity=0.003)),
+            USUAL._replace(blood=Blood(viscosity=0.005)),
+        ),
+    ),
+    ("power of the outlets", (USUAL._replace(power=2.0), USUAL._replace(power=3.0))),
+    ("diameters", (USUAL._replace(wider=-0.1), USUAL._replace(wider=0.1))),
+)
+"""What is uncertain, and how far to both sides; sources in docs/flow.md."""
+
+
+class Band(NamedTuple):
+    """A value and between what it lies, by uncertainties that are independent of each other."""
+
+    value: float
+    low: float
+    high: float
+
+
+class SpanDrop(NamedTuple):
+    """What a part of the vessel costs."""
+
+    recovered: Band
+    """Of the total pressure, mmHg."""
+    maximal: Band
+    """Of the static pressure to its lowest place, mmHg."""
+
+
+class InletLoss(NamedTuple):
+    """What blood of one of several inlets loses on its way to the outlets."""
+
+    drop: Band
+    """Of the total pressure, to its mean over the outlets, mmHg."""
+    power: Band
+    """W."""
+
+
+class Moment(NamedTuple):
+    """A state of the vessel at the mean flow, or at its peak."""
+
+    inlet: Band | None
+    """Total pressure at the first inlet, mmHg; None where no pressures are known."""
+    sides: tuple[Band, ...] | None
+    """Shares of the flow to the main branches, and to others where there are some."""
+    drops: tuple[SpanDrop, ...]
+    """In the order of the parts that were asked for."""
+    inlets: tuple[InletLoss, ...] = ()
+    """Of several, in their order;"""
+    power: Band | None = None
+    """and of all together, W."""
+    limbs: tuple[Band, ...] = ()
+    """Shares of the flow through limbs that meet again."""
 
 
 class Case(NamedTuple):
@@ -118,3 +183,14 @@ def losses_of(networks: Sequence[Network], flows: Floats, count: int) -> Floats:
     drops = at_inlets - (weights * at_outlets).sum(axis=1, keepdims=True)
     power = (coming * at_inlets).sum(axis=1) - (leaving * at_outlets).sum(axis=1)
     return np.column_stack([drops, coming * drops, power])
+
+
+def reach_of(told: Floats) -> tuple[Floats, Floats]:
+    """How far values lie below and above those of the first case, by the pairs of cases after it.
+
+    Uncertainties are independent of each other: their squares add up.
+    """
+    away = (told[1:] - told[0]).reshape(-1, 2, *told[0].shape)
+    low = (np.minimum(away.min(axis=1), 0.0) ** 2).sum(axis=0)
+    high = (np.maximum(away.max(axis=1), 0.0) ** 2).sum(axis=0)
+    return np.sqrt(low), np.sqrt(high)

@@ -171,18 +171,18 @@ def drops_over(pieces: Sequence[Piece], networks: Sequence[Network], flows: Floa
     sense = np.where(flows[:, [one.block for one in pieces]].sum(axis=1) < 0, -1.0, 1.0)[:, None]
     flows = sense * flows
     methods = [one.method for one in networks]
-    given = [(*one.blood, one.loss, one.divided, one.turned) for one in methods]
-    density, viscosity, loss, divided, turned = np.array(given).T[..., None]
+    given = [(*one.blood, one.loss, one.divided, one.turned, one.bent) for one in methods]
+    density, viscosity, loss, divided, turned, bent = np.array(given).T[..., None]
     total, static, left = np.zeros((len(networks), 1)), [], []
     for number, start, end in pieces:
         blocks, q = [one.blocks[number] for one in networks], flows[:, [number]]
-        friction, mixing, dividing, taken, jet, area = (
+        friction, mixing, dividing, bending, taken, jet, area = (
             np.stack([getattr(one, name) for one in blocks])
-            for name in ("friction", "mixing", "dividing", "taken", "jet", "area")
+            for name in ("friction", "mixing", "dividing", "bending", "taken", "jet", "area")
         )
         # What moves across is lost behind the first station.
         turning = np.array([[one.turning] for one in blocks]) * (friction > 0)
-        mixing = loss * mixing + divided * dividing + turned * turning
+        mixing = loss * mixing + divided * dividing + turned * turning + bent * bending
         friction, mixing, taken, jet, area = (
             _between(values, start, end) for values in (friction, mixing, taken, jet, area)
         )
