@@ -153,8 +153,9 @@ def test_steps_can_be_thinned_out_and_replaced_but_nothing_else_is(a_folder, cap
 def test_quiet_says_nothing_and_warnings_go_to_stderr(a_folder, capsys):
     assert deploy("--quiet") == 0
     assert capsys.readouterr() == ("", "")
-    assert deploy(diameter="3") == 0
+    assert deploy("--verbose", diameter="3") == 0
     said = capsys.readouterr()
+    assert "warning: The stent hangs free over" in said.err
     assert "warning: Nothing moves: the stent of 3 mm is not wider" in said.err
     assert deploy("--shortened", place=[*PLACE[:4], "--length", "200"]) == 0
     assert "The stent is shortened: 180.0 mm were prescribed, 40.0" in capsys.readouterr().err

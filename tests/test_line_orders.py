@@ -46,7 +46,11 @@ def answers(capsys):
     assert main(["flow", *line, "--mean-flow", "3L/min", "--json", "flow.json", "--quiet"]) == 0
     deploy = ["deploy", *line, *STENT, "-o", "out.vtp", "--report", "out.json", "--quiet"]
     assert main(deploy) in (0, 3)
-    with open("flow.json", "rb") as flow, open("out.vtp", "rb") as out, open("out.json") as report:
+    with (
+        open("flow.json", "rb") as flow,
+        open("out.vtp", "rb") as out,
+        open("out.json", "rb") as report,
+    ):
         axis = json.load(report)["stents"][0]["axis"]
         return measured, json.load(flow), axis, out.read()
 

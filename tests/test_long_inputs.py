@@ -157,7 +157,7 @@ AXES = {
     "partly back": ([[0, 0, 1.2], [0, 0, 2.8], [0, 0, 2.2]], "turns back on itself at (0, 0, 28)"),
     "1e300": ([[0, 0, 1.2], [0, 0, 1e300]], "coordinates up to 1e+06 mm"),
     "1e9": ([[0, 0, 1.2], [0, 0, 1e9]], "coordinates up to 1e+06 mm"),
-    "20 m": ([[0, 0, 0], [0, 0, 2000]], "at most 1000 mm, got 20,000 mm"),
+    "20 m": ([[0, 0, 1], [0, 0, 2], [0, 0, 3], [0, 2000, 3]], "at most 1000 mm, got 20,020 mm"),
 }
 FAR = "coordinates up to 1e+06 mm"
 PLANS = {
