@@ -424,8 +424,8 @@ DICOM = bytes(128) + b"DICM" + bytes(100)
     ("name", "data", "words"),
     [
         ("a.nii", NIFTI, "an image (NIfTI)"),
-        ("a.nii.gz", gzip.compress(NIFTI), "an image (NIfTI)"),
-        ("a.nii.gz", gzip.compress(NIFTI)[:12], "an image (NIfTI)"),
+        ("a.nii.gz", gzip.compress(NIFTI, mtime=0), "an image (NIfTI)"),
+        ("a.nii.gz", gzip.compress(NIFTI, mtime=0)[:12], "an image (NIfTI)"),
         ("a.nrrd", NRRD, "an image (NRRD)"),
         ("a.nhdr", NRRD, "an image (NRRD)"),
         ("a.seg.nrrd", NRRD.replace(b"\n\n", b"\nSegment0_ID:=a\n\n"), "a segmentation (NRRD)"),
