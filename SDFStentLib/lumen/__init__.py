@@ -35,6 +35,7 @@ from .metrics import diameter_profile as diameter_profile
 from .openings import Mask as Mask
 from .openings import Opening as Opening
 from .openings import openings as openings
+from .pouches import pouch_width as pouch_width
 from .profile_around import AxisStations as AxisStations
 from .profile_around import axis_stations as axis_stations
 from .profile_around import profile_around as profile_around

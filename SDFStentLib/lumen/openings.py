@@ -42,6 +42,8 @@ class Opening(NamedTuple):
     """(k, 3) centers of the flat caps that it leads to,"""
     caps: tuple[Indices, ...]
     """and the triangles of each."""
+    beyond: Indices
+    """(t,) the triangles of the surface to which it leads."""
 
 
 def openings(surface: Surface, tube: Tube, ends: Points = NO_ENDS) -> list[Opening]:
@@ -63,7 +65,8 @@ def openings(surface: Surface, tube: Tube, ends: Points = NO_ENDS) -> list[Openi
             continue
         own = [cap for cap in caps if cap.part == part]
         centers = np.reshape([cap.center for cap in own], (-1, 3))
-        found.append(Opening(region, centers, tuple(cap.faces for cap in own)))
+        beyond = np.flatnonzero(parts.of_triangle == part)
+        found.append(Opening(region, centers, tuple(cap.faces for cap in own), beyond))
     return found
 
 

@@ -183,7 +183,7 @@ def _branches(documents: Sequence[Section | None]) -> list[Row]:
     """Every side branch beside a stent of one of the plans."""
     near = [branch for one in documents if one is not None for branch in one["branches"]]
     if not near:
-        return [_of_each("Side branches", documents, lambda _: (NONE_NEAR,))]
+        return [_of_each("Branches", documents, lambda _: (NONE_NEAR,))]
     names = dict.fromkeys(branch["name"] for branch in near)
     return [_of_each(f"Ostium of {name}", documents, _beside(name)) for name in names]
 

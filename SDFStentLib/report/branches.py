@@ -50,7 +50,7 @@ def branch_section(
 
 def branch_table(branches: Sequence[Mapping[str, Any]]) -> list[str]:
     """A part of the page; that no branch is near is said as well."""
-    title = heading("Side branches")
+    title = heading("Branches")
     if not branches:
         return [title, paragraph(NONE_NEAR)]
     rows = [

@@ -14,8 +14,19 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface, norm
-from ..lumen import RAYS, ExtendedAxis, Mask, Opening, Tube, caps_of, expected_tube, openings
+from ..lumen import (
+    RAYS,
+    ExtendedAxis,
+    Mask,
+    Opening,
+    Tube,
+    caps_of,
+    expected_tube,
+    openings,
+    pouch_width,
+)
 from ..validation import Flags, Floats, Indices, Points, read_only
+from .plateaus import ANEURYSM
 
 LISTED = 10.0
 """Ostia so far beyond an end of the stent are found, mm."""
@@ -29,6 +40,12 @@ NEARLY = 0.01
 
 PARENT = "vessel that this one comes from"
 
+POUCH = "pouch (aneurysm or stump)"
+"""What is short and closed: a flat sac and what is left of a branch look alike."""
+
+SAC = "aneurysm"
+"""A pouch `ANEURYSM` times as wide as its neck."""
+
 _AT_INLET = 2.0
 """The centerline begins within so many mm of the middle of the inlet, or within the diameter of the
 ostium."""
@@ -36,7 +53,7 @@ ostium."""
 
 @dataclass(frozen=True)
 class Ostium:
-    """The opening of a side branch in the wall of the stented vessel. All mm.
+    """The opening of a side branch, or pouch, in the wall of the stented vessel. All mm.
 
     Positions along the stent count from its proximal end; negative: proximal of the stent.
     """
@@ -63,6 +80,8 @@ class Ostium:
     """(r,) of the rows of that wall round the axis, mm^2, between"""
     edges: Floats = ()  # type: ignore[assignment]
     """(r + 1,) these positions along the stent."""
+    pouch: str = ""
+    """What it leads into where that is no vessel: `POUCH` or `SAC`."""
 
     def __post_init__(self) -> None:
         for name in ("center", "areas", "edges"):
@@ -137,7 +156,7 @@ def find_ostia(
     centerline : Centerline, optional
         What leads to its root is no branch, but the vessel from which this one comes: this one
         itself where the way beyond the stent goes there. Where all of its ends lie in flat caps,
-        what leads to no cap is no vessel.
+        what leads to no cap is no vessel. What a line leads into is no pouch.
     """
     tube = expected_tube(surface, axis.line)
     wall, places, ends = _faces_of_wall(tube, faces), tube.places, np.empty((0, 3))
@@ -160,6 +179,9 @@ def find_ostia(
         outlets = ostium.outlets[~at_root]
         ostium = replace(ostium, outlets=outlets, face_ids=tuple(sorted(ids)))
         if ostium.end > -LISTED and ostium.start < axis.stent_length + LISTED:
+            if not opening.caps:
+                pouch = _pouch(surface, tube, ostium, opening, centerline)
+                ostium = replace(ostium, pouch=pouch)
             found.append(ostium)
     found.sort(key=lambda ostium: (ostium.start, ostium.end))
     at_end = int(np.searchsorted(tube.wall.arc_length, axis.before + axis.stent_length))
@@ -234,6 +256,19 @@ def _ostium(tube: Tube, places: Floats, axis: ExtendedAxis, opening: Opening) ->
     return replace(ostium, covered_share=ostium.share_within([(0.0, axis.stent_length)]))
 
 
+def _pouch(
+    surface: Surface, tube: Tube, ostium: Ostium, opening: Opening, tree: Centerline | None
+) -> str:
+    """What kind of pouch an opening of a tube that leads to no cap is; "" for a vessel."""
+    centers = tube.wall.centers
+    outward = ostium.center - centers[norm(centers - ostium.center).argmin()]
+    neck = _diameter(ostium)
+    width = pouch_width(surface, opening.beyond, ostium.center, neck, outward, tree)
+    if width is None:
+        return ""
+    return SAC if width >= ANEURYSM * neck else POUCH
+
+
 def _inner(region: Mask) -> Mask:
     """Cells whose four neighbors belong to the region as well."""
     padded = np.pad(region, ((1, 1), (0, 0)))
@@ -258,6 +293,9 @@ def _name(
         place = f"{middle - stent_length:.0f} mm beyond the stent"
     else:
         place = f"at {middle:.0f} mm"
+    if ostium.pouch:
+        neck = " with a neck" if ostium.pouch == SAC else ""
+        return f"{ostium.pouch}{neck} of {diameter:.1f} mm {place}"
     kind = "side branch" if diameter < caliber else "branch"
     ends = f" with {len(ostium.outlets)} outlets" if len(ostium.outlets) > 1 else ""
     return f"{kind} of {diameter:.1f} mm{ends} {place}"
