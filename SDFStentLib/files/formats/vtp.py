@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -198,12 +199,14 @@ class _Reader:
         try:
             try:
                 return read_array(element, count, self.encoding)
-            except Damage:
-                # VMTK's network extraction has one radius more than points; VTK leaves it out.
-                longer = None if count is None else read_array(element, count + 1, self.encoding)
-                if longer is None or longer.name not in ARRAYS_WITH_ONE_MORE:
+            except Damage as damage:
+                may_be_longer = element.attributes.get("Name") in ARRAYS_WITH_ONE_MORE
+                if count is None or not may_be_longer:
                     raise
-                return longer.without_last()
+                # VMTK's network extraction has one radius more than points; VTK leaves it out.
+                with suppress(Damage):
+                    return read_array(element, count + 1, self.encoding).without_last()
+                raise damage
         except Damage as error:
             label = element.attributes.get("Name", "without a name")
             raise Damage(f"its array {in_short(label)[1:-1]}: {error}") from error
