@@ -50,6 +50,10 @@ def vessel_at(folder, name):
     return Vessel(found.surface, found.centerline, faces=read_surface(folder / file, units).faces)
 
 
+RIGHT, LEFT = 0, 1
+"""The branches of `branching_pulmonary_artery`, by place as `way_to` counts them."""
+
+
 def way_to(vessel, leaf=0):
     tree = vessel.centerline
     leaves = sorted(tree.leaves, key=lambda node: -tree.points[node][0])
@@ -213,11 +217,11 @@ def test_a_segment_over_a_bifurcation_has_its_inlet_at_the_root():
 
 def test_a_branch_that_the_centerline_does_not_know_is_said_to_stay_open():
     made = branching_pulmonary_artery()
-    way = way_to(vessel_of(made), 0)
+    way = way_to(vessel_of(made), LEFT)
     alone = Centerline.from_lines(way, [np.arange(len(way))])
     vessel = Vessel(made.surface, alone)
     (told,) = segment_of(vessel, 0.1, 0.9, close_branches=True).warnings
-    end = made.centerline.points[made.centerline.leaves[1]]
+    end = way_to(vessel_of(made), RIGHT)[-1]
     assert (told.kind, told.numbers["name"]) == ("branch-without-line", "outlet_face_3")
     np.testing.assert_allclose(told.place, end, atol=0.2)
     assert not segment_of(vessel, 0.1, 0.9).warnings
@@ -245,7 +249,7 @@ def test_a_branch_with_a_round_end_is_named(data_dir):
 
 def test_a_plane_beside_a_bifurcation_is_refused_and_the_place_that_is_said_is_not():
     vessel = vessel_of(branching_pulmonary_artery())
-    way = way_to(vessel)
+    way = way_to(vessel, LEFT)
     with pytest.raises(InputError, match="meets only this vessel") as error:
         extract_segment(vessel, *Line(way).at([0.4 * Line(way).length, 0.9 * Line(way).length]))
     place = str(error.value).split("to (")[1].split(") mm")[0].split(", ")
