@@ -18,7 +18,7 @@ import numpy as np
 
 from SDFStentLib.geometry import Surface
 
-from .sweep import DATA_FOLDER, vessel
+from .sweep import DATA_FOLDER, leaves_by_place, vessel
 
 AORTA_TRIANGLES = 18_584
 """Of the aorto-iliac model as it is; every linear subdivision has four times as many."""
@@ -48,7 +48,7 @@ def anatomy_case(name: str, start: float, length: float, radius: float) -> Case:
     """A stent over a range of arc length, mm, of the path to an anatomy's first leaf."""
     made = vessel(name)
     line = made.centerline
-    path = line.path(line.points[line.roots[0]], line.points[line.leaves.min()])
+    path = line.path(line.points[line.roots[0]], line.points[leaves_by_place(line)[0]])
     return Case(
         name, made.surface, path.line.cut(start, start + length).points, radius, path.points
     )

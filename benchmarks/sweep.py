@@ -163,6 +163,11 @@ def vessel(name: str, folder: Path = DATA_FOLDER) -> Vessel:
     return Vessel(surface.surface, centerline, surface.precision)
 
 
+def leaves_by_place(line: Centerline) -> list[int]:
+    """Leaves from the largest x on: a seed means the same place however points are numbered."""
+    return sorted(line.leaves.tolist(), key=lambda leaf: tuple(line.points[leaf]), reverse=True)
+
+
 def random_stent(
     name: str,
     seed: int,
@@ -178,7 +183,7 @@ def random_stent(
     """
     rng = np.random.default_rng([seed, number])
     line = vessel(name, folder).centerline
-    leaf = line.leaves[rng.integers(len(line.leaves))]
+    leaf = leaves_by_place(line)[rng.integers(len(line.leaves))]
     path: CenterlinePath = line.path(line.points[line.roots[0]], line.points[leaf])
     length = min(rng.uniform(*LENGTH), path.length - 2 * END_CLEARANCE)
     start = rng.uniform(END_CLEARANCE, path.length - END_CLEARANCE - length)
