@@ -108,6 +108,17 @@ def parted(
     return Centerline.from_lines(np.concatenate(pieces), lines, radius if has_radius else None)
 
 
+@pytest.mark.parametrize("has_radius", [False, True])
+@pytest.mark.parametrize("shares", [(0.15, -0.15), (0.3, 0.0), (-0.1, 0.35), (-0.2, -0.05)])
+def test_lines_that_begin_at_one_point_and_part_at_once_keep_their_inlet(
+    divided, shares, has_radius
+):
+    exact = divided.centerline
+    tree = parted(exact, shares, has_radius=has_radius)
+    np.testing.assert_allclose(tree.points[tree.roots], exact.points[exact.roots], atol=1e-9)
+    assert len(tree.leaves) == len(exact.leaves)
+
+
 def test_lines_that_part_far_above_the_division_part_where_the_lumens_do(divided):
     known = joined_lumens(branch_lumens(divided.surface, divided.centerline)).stretches
     early = parted(divided.centerline, (0.15, -0.15))

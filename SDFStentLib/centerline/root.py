@@ -160,7 +160,7 @@ def _common_ends(graph: LineGraph, places: Points, leaves: Indices) -> list[int]
             counts = ends_at(graph, near, own[at_leaf])
             order = np.lexsort((norm(graph.points[near] - middle), -counts))
             found.append(int(near[order[0]]))
-        elif _goes_one_way(graph, middle, reach):
+        elif _goes_one_way(graph, middle, reach, leaves):
             found.append(int(norm(graph.points - middle).argmin()))
         most = count if found else most
     return sorted(found)
@@ -190,9 +190,9 @@ def _clusters(places: Points, reach: float) -> Iterator[tuple[int, Points]]:
         yield int(counts[cluster]), every[number == cluster]
 
 
-def _goes_one_way(graph: LineGraph, middle: Points, reach: float) -> bool:
+def _goes_one_way(graph: LineGraph, middle: Points, reach: float, leaves: Indices) -> bool:
     """Whether all that is connected with a place goes on from there in one lumen, and no line ends
-    beside it."""
+    beside it: lines that begin there may also be one for a moment before they part."""
     away = norm(graph.points - middle)
     apart = max(reach, float(np.nan_to_num(graph.radius[away.argmin()])))
     size = max(_BEYOND * reach, 2 * apart)
@@ -200,7 +200,7 @@ def _goes_one_way(graph: LineGraph, middle: Points, reach: float) -> bool:
     within = graph.edges[inner[graph.edges].all(axis=1)]
     label = component_labels(len(away), within[:, 0], within[:, 1])
     is_there = inner & (label == label[away.argmin()])
-    if (graph.degrees()[is_there] == 1).any():
+    if is_there[leaves].any():
         return False
     leaving = is_there[graph.edges].any(axis=1) & ~inner[graph.edges].all(axis=1)
     outer = np.where(inner[graph.edges[leaving]], -1, graph.edges[leaving]).max(axis=1)
