@@ -75,7 +75,7 @@ def _values(series: list[Any], along: Any, columns: Any, across: _Scale) -> list
         {
             "at": round(across(x), 1),
             "text": ", ".join(
-                [f"{x + 0.0:.1f} mm", *(_named(one, columns[one][row]) for one in names)]
+                [f"{_text(x + 0.0)} mm", *(_named(one, columns[one][row]) for one in names)]
             ),
         }
         for row, x in enumerate(along)
@@ -120,4 +120,5 @@ def _every(along: Any, distance: float) -> list[int]:
 
 
 def _text(value: float) -> str:
-    return f"{value:.1f}" if np.isfinite(value) else ""
+    """As the table has it: rounded once more, 4.645 mm would be 4.7."""
+    return f"{value:.2f}" if np.isfinite(value) else ""
