@@ -288,9 +288,10 @@ CHOOSER = f"""
 """
 
 AT_HAND = """
-<div class="hand" :class="atHand.kind" v-show="atHand.lines.length" role="status" data-name="atHand">
+<div class="hand" :class="[atHand.kind, { aside: pointed }]" v-show="atHand.lines.length" role="status" data-name="atHand">
 <div v-for="line in atHand.lines">{{ line }}</div></div>
 """
+"""They step aside while a place is pointed at in the plot: what the view marks there may lie beneath them."""
 
 
 KEYS = (
