@@ -25,8 +25,16 @@ from SDFStentLib.files import (  # noqa: E402
     encode_vtp,
     polydata_from_arrays,
     polydata_from_lines,
+    set_face_names,
 )
-from SDFStentLib.phantoms import branching_pulmonary_artery, straight_tube  # noqa: E402
+from SDFStentLib.flow import Inflow, known_flow  # noqa: E402
+from SDFStentLib.phantoms import (  # noqa: E402
+    branching_pulmonary_artery,
+    cavopulmonary_connection,
+    straight_tube,
+)
+from SDFStentLib.plan import Plan, save_plan  # noqa: E402
+from SDFStentLib.stent import AtCenter, InputFile, Stent  # noqa: E402
 
 DAMAGED = {
     "cut.stl": (
@@ -616,6 +624,61 @@ def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_vis
     assert again.read("surface.vtp") == archive.read("surface.vtp")
     placed = [json.loads(one.read("plan.json"))["stents"] for one in (archive, again)]
     assert placed[0] == placed[1]
+
+
+def test_a_fontan_is_told_from_each_caval_vein_and_its_inlets_are_set_in_the_page(
+    a_visit, the_folder
+):
+    write_fontan(the_folder)
+    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.page.fill("#surfacePath", str(the_folder / "fontan.json"))
+    a_visit.named("openButton").click()
+    a_visit.until("stentTable", "16.0 mm")
+    a_visit.named("deployButton").click()
+    a_visit.until("lumenLabel", "power loss of the connection")
+    told = a_visit.text("lumenLabel")
+    for vein, flow in (("inferior", "30.0"), ("superior", "20.0")):
+        assert re.search(rf"from {vein} caval vein, {flow} mL/s drop .* -> .*; power loss", told)
+    assert "indexed" in told
+    a_visit.until("tiles", "Power lost")
+    assert a_visit.number("bodySurfaceSpinBox").input_value() == "1.20"
+    ends = a_visit.named("inletComboBox")
+    playwright.expect(ends.locator("option")).to_have_count(4)
+    ends.select_option(label="superior caval vein: 1.2 L/min")
+    box = a_visit.number("inletFlowSpinBox")
+    playwright.expect(box).to_have_value("1.20")
+    box.fill("0.6")
+    box.press("Enter")
+    a_visit.until("lumenLabel", "from superior caval vein, 10.0 mL/s")
+    playwright.expect(a_visit.number("flowMeanSpinBox")).to_have_value("2.40")
+    ends.select_option(label="left pulmonary artery")
+    playwright.expect(a_visit.named("inletCheckBox").locator("input")).not_to_be_checked()
+    a_visit.named("unusualFlowCheckBox").locator("input").check()
+    archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
+    flow = json.loads(archive.read("plan.json"))["flow"]
+    assert [one["mean"] for one in flow["inlets"]] == pytest.approx([30.0, 10.0])
+    assert (flow["bsa"], flow["unusual"]) == (1.2, True)
+
+
+def write_fontan(folder):
+    """The connection of both caval veins, and a plan with a stent in the conduit and two inlets."""
+    fontan = cavopulmonary_connection(1.4)
+    arrays = {"ModelFaceID": fontan.face_ids}
+    wall = polydata_from_arrays(fontan.points, fontan.triangles, cell_arrays=arrays)
+    set_face_names(wall, fontan.faces.names)
+    line = fontan.centerline
+    lines = polydata_from_lines(line.points, [line.ancestry(leaf) for leaf in line.leaves])
+    for name, polydata in (("fontan", wall), ("fontan_lines", lines)):
+        (folder / f"{name}.vtp").write_bytes(encode_vtp(polydata))
+    stent = Stent(16.0, placement=AtCenter(fontan.throat.point), length=30.0)
+    inlets = Inflow("inferior caval vein", 30.0), Inflow("superior caval vein", 20.0)
+    plan = Plan(
+        stents=(stent,),
+        surface=InputFile(str(folder / "fontan.vtp")),
+        centerline=InputFile(str(folder / "fontan_lines.vtp")),
+        flow=known_flow(inlets=inlets, bsa=1.2),
+    )
+    save_plan(plan, folder / "fontan.json")
 
 
 def test_alternatives_are_made_renamed_and_compared(a_visit):

@@ -11,6 +11,8 @@ from slicer.i18n import tr as _
 from SDFStentLib.flow import Inflow, Known, Wave, has_svzerod
 from SDFStentLib.validation import InputError, one_line
 
+from .ParameterNode import REMEDIES
+
 ML_PER_S = 1000 / 60
 """In one liter per minute."""
 
@@ -40,6 +42,43 @@ def inletsOf(parameterNode, mean, hasWave):
         Inflow(name, part * mean / whole, Wave(*map(tuple, wave)) if wave and hasWave else None)
         for name, part, wave in found
     )
+
+
+def flowsIn(parameterNode):
+    """By name of an inlet what comes in there, L/min."""
+    return {one.name: one.mean for one in inletsOf(parameterNode, parameterNode.flowMean, False)}
+
+
+def inletOf(parameterNode, names):
+    """The inlet that is called one of these names, as it was called first; None where there is none."""
+    own = [name.casefold() for name in names]
+    return next((one for one in flowsIn(parameterNode) if one.casefold() in own), None)
+
+
+def setInlet(parameterNode, names, flow):
+    """Let so much blood come in, L/min, at the end that is called one of these names; at None it is no inlet.
+
+    The first inlet brings the whole flow, whatever is asked for; of several the flow is the sum.
+    Raises `InputError` where that contradicts what else is set.
+    """
+    known, own = knownOf(parameterNode), inletOf(parameterNode, names)
+    found = {one.name: one for one in known.inlets}
+    if flow is None:
+        found.pop(own, None)
+    else:
+        name = own or names[0]
+        wave = found[name].wave if own else None
+        found[name] = Inflow(name, flow * ML_PER_S if found else known.mean, wave)
+    mean = sum(one.mean for one in found.values()) if found else known.mean
+    if not mean > 0:
+        raise InputError(
+            _("Flow: expected more than 0 L/min at one inlet, got none; leave one of them open.")
+        )
+    inlets = tuple(found.values())
+    wave = None if known.is_uneven else known.wave
+    with slicer.util.NodeModify(parameterNode):
+        for field, value in valuesOf(replace(known, mean=mean, inlets=inlets, wave=wave)).items():
+            setattr(parameterNode, field, value)
 
 
 def lacksSolver(parameterNode):
@@ -97,9 +136,8 @@ def plannedFlow(parameterNode, place):
     return replace(known, right=place(json.loads(parameterNode.rightBranch)))
 
 
-def valuesOf(plan):
-    """The flow of a plan as values of the parameter node."""
-    known = plan.flow
+def valuesOf(known):
+    """The library's `Known`, or None, as values of the parameter node."""
     if known is None:
         names = ("flowMean", "flowPeak", "inletPressure", "wedgePressure", "splitRight", "flowBsa")
         empty = {"flowWave": "", "flowInlets": "", "flowUnusual": False}
@@ -131,5 +169,5 @@ def refusal(parameterNode):
     try:
         knownOf(parameterNode)
     except InputError as error:
-        return _("Results: {sentence}").format(sentence=error)
+        return _("Results: {sentence}").format(sentence=error.sentence(REMEDIES))
     return ""

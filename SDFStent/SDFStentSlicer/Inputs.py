@@ -53,7 +53,7 @@ class Inputs:
 
     def __init__(self):
         self._vessel = self._centerline = self._lesions = self._preview = (None, None)
-        self._beside = ()
+        self._beside, self._lineEnds = (), None
 
     def vessel(self, parameterNode):
         """The `Vessel`."""
@@ -110,6 +110,8 @@ class Inputs:
                     lambda: with_ends_in_middle(surface, tree)
                 )
                 told = (*told, *map(str, (*moved, *loops_told(centerline))))
+            points, numbers, _radii = lines
+            self._lineEnds = points[[[line[0], line[-1]] for line in numbers if len(line)]]
             self._centerline, self._beside = (stamp, centerline), told
         return self._centerline[1]
 
@@ -126,7 +128,8 @@ class Inputs:
         _given, misfit = yield from self.givenNamesInPortions(parameterNode)
         remark = "\n".join(filter(None, (vessel.remark, *self._beside, misfit)))
         names = () if misfit else Plans.namesOf(parameterNode)
-        return remark, treatment.Vessel(vessel.surface, centerline, (), vessel.faces, names)
+        how = (), vessel.faces, names, self._lineEnds
+        return remark, treatment.Vessel(vessel.surface, centerline, *how)
 
     def givenNamesInPortions(self, parameterNode):
         """What the plan calls the centerline's branches, none where its names are of another vessel, and a sentence why or ""."""

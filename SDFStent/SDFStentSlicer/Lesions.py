@@ -60,7 +60,7 @@ class LesionSearch:
     """The lesions of one vessel with one centerline. No nodes in here.
 
     `found` is None until `portions` was run to its end, then a tuple of the library's `Lesion`, in its order; `sentence`
-    says why it is empty where the vessel could not be searched, `remark` what to know of the vessel.
+    says why it is empty where the vessel could not be searched, `remark` what to know of the vessel, `endNames` what its ends are called.
     """
 
     def __init__(self, inputs):
@@ -68,7 +68,7 @@ class LesionSearch:
         self._inputs = inputs
         self.found, self.sentence, self.remark = None, "", ""
         self._vessel = self._model = None
-        self._around = {}
+        self._around, self.endNames = {}, ()
 
     def portions(self):
         """Search; yields None until it is done. Does nothing when it is."""
@@ -80,6 +80,7 @@ class LesionSearch:
             cautions = yield from inPortions(lambda: vessel.lesion_cautions)
             sentences = [caution.sentence() for caution in cautions]
             self.remark = "\n".join(filter(None, [self.remark, *sentences]))
+            self.endNames = yield from inPortions(lambda: vessel.end_names)
             self.found = yield from inPortions(lambda: withSections(vessel.lesions))
         except InputError as error:
             self.found, self.sentence = (), str(error)

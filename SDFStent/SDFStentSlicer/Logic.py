@@ -32,6 +32,7 @@ from .Exporting import Exporting, Segments
 from .Fitting import Fitting
 from .Inputs import Inputs
 from .ParameterNode import (
+    REMEDIES,
     MethodParameters,
     SDFStentParameterNode,
     stentOf,
@@ -226,6 +227,13 @@ class SDFStentLogic(
         """Tell the numbers of the last deployment for the flow that is set; an iterator as `steps`."""
         yield from Deploying.told(self._shownOf(parameterNode))
 
+    def endNames(self, parameterNode):
+        """By what the ends of the vessel are found as inlets, as the library's; none before its lesions were searched."""
+        search = self.lesionSearch(parameterNode)
+        return () if search is None else search.endNames
+
+    setInlet = staticmethod(Flow.setInlet)
+
     def installSolver(self, parameterNode):
         """Install the solver of waves; the numbers of the last deployment are old then."""
         Flow.installSolver()
@@ -326,7 +334,7 @@ class SDFStentLogic(
     def sentence(error):
         """What the user reads about an error."""
         if isinstance(error, InputError):
-            return error.sentence(Sizes.REMEDIES)
+            return error.sentence(REMEDIES)
         if isinstance(error, DeploymentError):
             return str(error)
         return _("Unexpected error: {kind}: {text}").format(kind=type(error).__name__, text=error)

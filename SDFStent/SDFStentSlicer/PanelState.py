@@ -80,8 +80,11 @@ def _isUsual(parameterNode):
 
 
 def _flowWords(parameterNode):
-    mean = parameterNode.flowMean
-    return _("{mean:g} L/min").format(mean=round(mean, 2)) if mean > 0 else ""
+    mean, inlets = parameterNode.flowMean, len(Flow.flowsIn(parameterNode))
+    if not mean > 0:
+        return ""
+    at = _(" at {count} inlets").format(count=inlets) if inlets > 1 else ""
+    return _("{mean:g} L/min").format(mean=round(mean, 2)) + at
 
 
 SAID_MS = 10_000
@@ -269,8 +272,8 @@ class PanelState:
         self.ui.showPlotButton.enabled = parameterNode.outputChart is not None
         self.ui.showTableButton.enabled = parameterNode.outputTable is not None
         hasFlow, hasPressure = parameterNode.flowMean > 0, parameterNode.inletPressure > 0
-        for name in ("flowPeakSpinBox", "splitRightSpinBox", "inletPressureSpinBox"):
-            getattr(self.ui, name).enabled = hasFlow
+        for name in ("flowPeak", "splitRight", "inletPressure", "bodySurface"):
+            getattr(self.ui, f"{name}SpinBox").enabled = hasFlow
         self.ui.wedgePressureSpinBox.enabled = hasFlow and hasPressure
         self.ui.installSolverButton.visible = Flow.lacksSolver(parameterNode)
         self.ui.warningLabel.visible = bool(parameterNode.warningSummary)

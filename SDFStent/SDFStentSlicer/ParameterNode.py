@@ -17,6 +17,7 @@ from slicer import (
 from slicer.i18n import tr as _
 from slicer.parameterNodeWrapper import Choice, WithinRange, parameterNodeWrapper, parameterPack
 
+from SDFStentLib.flow import Known
 from SDFStentLib.parameter import parameters_of
 from SDFStentLib.plan import Plan, method_parameters
 from SDFStentLib.stent import Stent
@@ -122,6 +123,7 @@ RANGES = {
     "inletPressure": Range(0.0, 300.0, "a pressure at the inlet", " mmHg"),
     "wedgePressure": Range(0.0, 300.0, "a wedge pressure", " mmHg"),
     "splitRight": Range(0.0, 99.0, "a share of the flow to the right", " %"),
+    "flowBsa": Range(0.0, parameters_of(Known)["bsa"].most, "a body surface area", " m2"),
     "suggestRatio": Range(*RATIOS, "a ratio to the adjacent vessel", ""),
     "suggestMargin": Range(0.0, LONGEST_MARGIN, "a margin"),
 }
@@ -145,6 +147,12 @@ CHOICE_LABELS = {
     },
 }
 """The texts in the panel for the library's keys, by parameter."""
+
+REMEDIES = {
+    "foreshortening": _(" (in Device, untick As known of the device or move Foreshortening)"),
+    "unusual": _(" (in Flow, tick Unusual flow is meant so)"),
+}
+"""What the library's sentences advise, as the panel calls it."""
 
 
 # Node types are written Optional[X], not X | None: Python before 3.11.7 takes one for the other inside of Annotated, and Slicer
@@ -225,11 +233,11 @@ class SDFStentParameterNode:
     flowWave: str = ""
     """That of a plan, as JSON, its times and flows; it counts while mean and peak are its own."""
     flowInlets: str = ""
-    """Those of a plan, as JSON, names, flows and waves; scaled to the mean flow."""
-    flowBsa: float = 0.0
-    """Body surface area of a plan, m2; 0 for none."""
+    """As JSON, names, flows and waves; scaled to the mean flow."""
+    flowBsa: Annotated[float, _within("flowBsa")] = 0.0
+    """Body surface area, m2; 0 for none."""
     flowUnusual: bool = False
-    """Whether a plan says that a heart rate or a flow beyond the usual ones is meant so."""
+    """Whether a heart rate or a flow beyond the usual ones is meant so."""
     rightBranch: str = ""
     """A place in it, mm in RAS, as JSON, once the flow was found."""
     showStents: bool = True

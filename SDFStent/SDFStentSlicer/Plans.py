@@ -164,7 +164,7 @@ def _take(plan, path, parameterNode, handles):
         {**valuesOf(stent), "redilation": row.redilation}
         for stent, row in zip(planned, rows, strict=True)
     ]
-    method, flow = _methodOf(plan), Flow.valuesOf(plan)
+    method, flow = _methodOf(plan), Flow.valuesOf(plan.flow)
     for number, values in enumerate(stents, start=1):
         _checkRanges(values, f"{path}: {values['label'] or f'stent {number}'}")
     _checkRanges(method, f"{path}: settings")

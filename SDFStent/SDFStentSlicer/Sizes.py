@@ -5,25 +5,19 @@ from functools import lru_cache
 from types import SimpleNamespace
 
 import numpy as np
-from slicer.i18n import tr as _
 
 from SDFStentLib import stent as library
 from SDFStentLib.plan import StentSizes, detailed_stent, read_details
 from SDFStentLib.stent import dilated_again
 from SDFStentLib.validation import InputError
 
-from .ParameterNode import Placement, stentsOf
+from .ParameterNode import REMEDIES, Placement, stentsOf
 
 BY_POINT = {
     Placement.CENTER: library.AtCenter,
     Placement.DISTAL_END: library.AtDistalEnd,
     Placement.PROXIMAL_END: library.AtProximalEnd,
 }
-
-REMEDIES = {
-    "foreshortening": _(" (in Device, untick As known of the device or move Foreshortening)")
-}
-"""What the library's sentences advise, as the panel calls it."""
 
 SIZES = (
     "diameter",

@@ -10,6 +10,7 @@ from SDFStentLib.treatment import treated_lesions, with_known_minima
 from SDFStentLib.validation import DeploymentError, InputError
 
 from .Lesions import withSections
+from .ParameterNode import REMEDIES
 from .Portions import inPortions
 
 
@@ -132,7 +133,9 @@ class Stenting:
                     )
                 )
             self.flow = yield from inPortions(lambda: search.flow(known, result))
-        except (InputError, DeploymentError) as error:
+        except InputError as error:
+            self.flowRemark = error.sentence(REMEDIES)
+        except DeploymentError as error:
             self.flowRemark = str(error)
 
     def at(self, percent):

@@ -12,6 +12,7 @@ from . import Clock, Conversion, ExtractCenterline, Outputs, Showing
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
 from .ExportSection import ExportSection, SegmentSection
+from .FlowSection import FlowSection
 from .History import HistoryButtons
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
@@ -84,7 +85,14 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.plans = PlanTable(self.ui, self.logic, self._attempt, self._switchTo)
         self.sections = [
             kind(self.ui, self.logic, self._attempt)
-            for kind in (HistoryButtons, DeviceSection, ShapeSection, ExportSection, SegmentSection)
+            for kind in (
+                HistoryButtons,
+                DeviceSection,
+                ShapeSection,
+                FlowSection,
+                ExportSection,
+                SegmentSection,
+            )
         ]
         self.views, self.ends = RoomyViews(self.ui), StentEnds(self.logic)
         self.recoil = RecoilRule(self.logic, self._onPrepared)

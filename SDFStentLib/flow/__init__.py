@@ -14,6 +14,7 @@ from .followed import FollowedChannels as FollowedChannels
 from .inlets import Ends as Ends
 from .inlets import Inlets as Inlets
 from .inlets import begun_branches as begun_branches
+from .inlets import end_names as end_names
 from .inlets import inlets_of as inlets_of
 from .known import L_PER_MIN as L_PER_MIN
 from .known import Inflow as Inflow

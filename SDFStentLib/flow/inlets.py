@@ -85,6 +85,21 @@ def inlets_of(channels: Sequence[Channel], known: Known, ends: Ends) -> Inlets:
     )
 
 
+def end_names(tree: Centerline, ends: Ends) -> tuple[tuple[str, ...], ...]:
+    """By what every end of a tree is found as an inlet, the root first; those without are left out.
+
+    As reports have it, as the user has, and by number and face.
+    """
+    leaves = {*tree.leaves.tolist()} - {*tree.loops[:, 0].tolist()}
+    tips = [0, *(k for k, nodes in enumerate(tree.branches) if int(nodes[-1]) in leaves)]
+    names = {node: _names(branch, ends) for node, branch in enumerate(tips)}
+    own = (
+        tuple(dict.fromkeys(name for name in some if _found(name, names) == [node]))
+        for node, some in names.items()
+    )
+    return tuple(filter(None, own))
+
+
 def begun_branches(tree: Centerline, lines: Points) -> frozenset[int]:
     """Branches at whose ends lines of the file begin, if some do at the root, and others end.
 
@@ -114,11 +129,8 @@ def _names(branch: int, ends: Ends) -> tuple[str, ...]:
 
 def _named(name: str, names: dict[int, tuple[str, ...]]) -> int:
     """The node of an end by its name."""
-    found = [
-        node for node, own in names.items() if name.casefold() in (one.casefold() for one in own)
-    ]
-    # What the user calls the vessel at the root may go on in one of its branches.
-    if len(found) == 1 or found[:1] == [0]:
+    found = _found(name, names)
+    if len(found) == 1:
         return found[0]
     told = ", ".join(own[0] for own in list(names.values())[:LISTED])
     raise InputError(
@@ -127,3 +139,12 @@ def _named(name: str, names: dict[int, tuple[str, ...]]) -> int:
         "names",
         end=".",
     )
+
+
+def _found(name: str, names: dict[int, tuple[str, ...]]) -> list[int]:
+    """The nodes of all ends of a name."""
+    found = [
+        node for node, own in names.items() if name.casefold() in (one.casefold() for one in own)
+    ]
+    # What the user calls the vessel at the root may go on in one of its branches.
+    return found[:1] if found[:1] == [0] else found

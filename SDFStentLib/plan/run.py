@@ -17,7 +17,6 @@ from ..files import (
     write_surface,
 )
 from ..flow import (
-    Ends,
     FlowAnswer,
     FlowModel,
     Known,
@@ -62,9 +61,9 @@ def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> Flow
             "the flow divides, nor where it goes on; name one (extract makes it), or leave the "
             "flow out."
         )
-    ends = Ends(vessel.branch_names, vessel.given_names, vessel.begun)
     clues = SideClues(frame, names=vessel.given_names)
-    return FlowModel(vessel.channels, known, clues, inlets_of(vessel.channels, known, ends))
+    inlets = inlets_of(vessel.channels, known, vessel.ends)
+    return FlowModel(vessel.channels, known, clues, inlets)
 
 
 def flow_of_plan(plan: Plan, vessel: Vessel, frame: Frame | None) -> FlowModel | None:

@@ -75,7 +75,6 @@ def previewed_lines(
     """Of a preview: size, about the narrowest lumen and the stenosis left, and that it is one.
 
     And how many branches are covered, where these are not as many as before.
-
     `lesions` are those of the vessel, as far as they are known.
     """
     told, lesion = [_size(placed)], numbers.lesion
@@ -205,12 +204,10 @@ def _branches(treated: TreatedStent) -> str:
 
 def _flow(flow: Mapping[str, Any], number: int) -> str:
     """At the mean flow: the side that gains most, and the drop over the stent."""
-    told = []
-    gained = share_gained(flow["before"]["mean"], flow["after"]["mean"])
+    told, gained = [], share_gained(flow["before"]["mean"], flow["after"]["mean"])
     if gained is not None:
         told.append(f"flow to the {gained.side} {gained.before:.0f} -> {gained.after:.0f} %")
-    drops = _drops(flow, number)
-    if drops:
+    if drops := _drops(flow, number):
         told.append(f"drop {' -> '.join(number_text(one, 1) for one in drops)} mmHg")
     return ", ".join(told)
 
@@ -294,8 +291,7 @@ def _warnings(cautions: Sequence[Caution]) -> Iterator[Tile]:
 
 def _lumen(stents: Sequence[TreatedStent]) -> Tile:
     """The narrowest place of all stents; NaN is narrower than any."""
-    lumens = [one.after.minimum for one in stents]
-    worst = stents[int(np.argmin(lumens))]
+    worst = stents[int(np.argmin([one.after.minimum for one in stents]))]
     before, planned = (number_text(one, 1) for one in (worst.before.minimum, worst.stent.diameter))
     return Tile(
         LUMEN,
@@ -339,7 +335,7 @@ def _touching(stents: Sequence[TreatedStent]) -> Iterator[Tile]:
 
 
 def _flowing(flow: Mapping[str, Any], numbers: Sequence[int]) -> Iterator[Tile]:
-    """At the mean flow: the side that gains most, and the largest drop over a stent."""
+    """At the mean flow: the side that gains most, the largest drop over a stent, power lost."""
     gained = share_gained(flow["before"]["mean"], flow["after"]["mean"])
     if gained is not None:
         beneath = f"before {gained.before:.0f} %"
@@ -348,3 +344,7 @@ def _flowing(flow: Mapping[str, Any], numbers: Sequence[int]) -> Iterator[Tile]:
     if drops:
         first, last = (f"{number_text(one, 1)} mmHg" for one in max(drops))
         yield Tile("Pressure drop", last, f"before {first}")
+    powers = [flow[state]["mean"]["power_loss_w"] for state in ("before", "after")]
+    if all(powers):  # with several inlets
+        first, last = (f"{number_text(1e3 * one['value'], 1)} mW" for one in powers)
+        yield Tile("Power lost", last, f"before {first}")

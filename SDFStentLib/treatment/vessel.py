@@ -12,7 +12,7 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import JAGGED, Centerline, zigzag
 from ..certificate import SurfaceCheck, check_surface
-from ..flow import Channel, FollowedChannels, begun_branches, channels_of
+from ..flow import Channel, Ends, FollowedChannels, begun_branches, channels_of, end_names
 from ..geometry import Line, NamedFaces, Precision, Surface
 from ..lumen import DiameterProfile, diameter_profile
 from ..stent import AtCenter, AtDistalEnd, Stent
@@ -139,6 +139,16 @@ class Vessel:
         if self.centerline is None or self.lines is None:
             return frozenset()
         return begun_branches(self.centerline, self.lines)
+
+    @property
+    def ends(self) -> Ends:
+        """What is known of its ends, for their flow."""
+        return Ends(self.branch_names, self.given_names, self.begun)
+
+    @cached_property
+    def end_names(self) -> tuple[tuple[str, ...], ...]:
+        """`end_names` of its centerline, none without."""
+        return () if self.centerline is None else end_names(self.centerline, self.ends)
 
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
