@@ -298,6 +298,7 @@ def _ownNodes(parameterNode):
     found = [
         *_seenNodes(parameterNode),
         parameterNode.outputTable,
+        parameterNode.outputTexts,
         *(chart.GetNthPlotSeriesNode(index) for index in range(count)),
         chart,
     ]

@@ -3,6 +3,7 @@
 import numpy as np
 import slicer
 from slicer.i18n import tr as _
+from vtkmodules.vtkCommonCore import vtkStringArray
 
 from . import Display, Marks, Showing
 
@@ -15,23 +16,43 @@ TITLE_SIZE = 14
 OLD_OPACITY = 0.25
 
 
-def fillTable(parameterNode, columns):
-    """The table of diameters: `columns` maps a title to (values, unit)."""
-    node, isNew = parameterNode.outputTable, parameterNode.outputTable is None
-    if isNew:
-        node = Display.addOutput(parameterNode, "vtkMRMLTableNode", _("Stent diameters"))
-        parameterNode.outputTable = node
-        node.SetUseColumnTitleAsColumnHeader(True)
-        node.SetLocked(True)  # what somebody changes in it would be drawn as measured
-    shown = [np.round(values, TABLE_DECIMALS) for values, _unit in columns.values()]
-    with slicer.util.NodeModify(node):  # a plot that is shown must not see it without its columns
-        slicer.util.updateTableFromArray(node, shown, list(columns))
-        for title, (_values, unit) in columns.items():
-            node.SetColumnUnitLabel(title, unit)
-            node.SetColumnTitle(title, title.removesuffix(f" ({unit})"))  # the view adds the unit
+def fillTables(parameterNode, columns, description):
+    """The table of diameters, for the plot and to be read: `columns` maps a title to (values, unit)."""
+    for role, name, fill in (
+        ("outputTable", _("Stent diameters"), _fillNumbers),
+        ("outputTexts", _("Stent diameters to read"), _fillTexts),
+    ):
+        node = getattr(parameterNode, role)
+        isNew = node is None
+        if isNew:
+            node = Display.addOutput(parameterNode, "vtkMRMLTableNode", name)
+            setattr(parameterNode, role, node)
+            node.SetUseColumnTitleAsColumnHeader(True)
+            node.SetLocked(True)  # what somebody changes in it would be drawn as measured
+        with slicer.util.NodeModify(node):  # a plot that is shown must not see it half filled
+            fill(node, {title: values for title, (values, _unit) in columns.items()})
+            for title, (_values, unit) in columns.items():
+                node.SetColumnUnitLabel(title, unit)
+                node.SetColumnTitle(title, title.removesuffix(f" ({unit})"))  # the view adds it
+            node.SetDescription(description)
     if isNew and _isFree(_selection().GetActiveTableID()):
         Showing.activateTable(node)
-    return node
+
+
+def _fillNumbers(node, columns):
+    rounded = [np.round(values, TABLE_DECIMALS) for values in columns.values()]
+    slicer.util.updateTableFromArray(node, rounded, list(columns))
+
+
+def _fillTexts(node, columns):
+    """Empty where nothing is known."""
+    node.RemoveAllColumns()
+    for title, values in columns.items():
+        texts = vtkStringArray()
+        texts.SetName(title)
+        for value in np.round(values, TABLE_DECIMALS) + 0.0:  # no minus zero
+            texts.InsertNextValue(f"{value:.{TABLE_DECIMALS}f}" if np.isfinite(value) else "")
+        node.AddColumn(texts)
 
 
 def showChart(parameterNode, x, series, top):

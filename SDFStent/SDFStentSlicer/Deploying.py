@@ -54,6 +54,7 @@ def _begun(parameterNode, vessel, inputs):
         "straightening_fraction": parameterNode.method.straightening / 100,
         "precision": Precision(dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype),
         "faces": vessel.faces,
+        "rows": Plans.rowsOf(parameterNode),
     }
     if hasTree:
         how["given_names"], _misfit = yield from inputs.givenNamesInPortions(parameterNode)

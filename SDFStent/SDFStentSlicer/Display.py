@@ -16,7 +16,14 @@ from SDFStentLib.stent import design_of, laid_along, stent_lattice
 from . import Outputs, Showing
 
 STENT_COLOR = (0.72, 0.76, 0.80)
-OUTPUT_ROLES = ("outputVessel", "outputCenterline", "outputStents", "outputTable", "outputChart")
+OUTPUT_ROLES = (
+    "outputVessel",
+    "outputCenterline",
+    "outputStents",
+    "outputTable",
+    "outputTexts",
+    "outputChart",
+)
 FOLDER_ATTRIBUTE = "SDFStent.Results"
 TUBE_SIDES = 24
 TUBE_SPACING = 1.5

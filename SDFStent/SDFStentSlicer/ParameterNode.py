@@ -252,6 +252,8 @@ class SDFStentParameterNode:
     outputCenterline: Optional[vtkMRMLModelNode]
     outputStents: Optional[vtkMRMLModelNode]
     outputTable: Optional[vtkMRMLTableNode]
+    outputTexts: Optional[vtkMRMLTableNode]
+    """The same to be read: a table view has "nan" for a number that is not known."""
     outputChart: Optional[vtkMRMLPlotChartNode]
 
     status: str = ""

@@ -43,6 +43,12 @@ def plannedOf(parameterNode):
     return _allPlanned(stentsOf(parameterNode), isPlan=False)
 
 
+def rowsOf(parameterNode):
+    """By which the table counts each of `plannedOf`, from 1: one that is dilated again at once is one row."""
+    stents = enumerate(stentsOf(parameterNode), start=1)
+    return [row for row, stent in stents for _once in range(1 + (stent.redilation > 0))]
+
+
 def isUnplaced(stent, again=None):
     """Whether it cannot be said yet where a stent lies, or what it is; `again` is the number of the one that it dilates again."""
     isOrphan = stent.placement == Placement.AGAIN and again is None

@@ -39,6 +39,7 @@ class Previewing:
                     Plans.settingsOf(parameterNode, live=True),
                     parameterNode.method.straightening / 100,
                     Dependencies.places(parameterNode),
+                    Plans.rowsOf(parameterNode),
                 )
             )
             run.follow(shown.run)
@@ -79,13 +80,15 @@ class PreviewedVessel:
         self.surface = surface
         self._preview, self._lock = Preview(surface, centerline), threading.Lock()
 
-    def portions(self, planned, settings, straightening, places):
+    def portions(self, planned, settings, straightening, places, rows=()):
         """Preview a plan; yields None until it is done, then returns its `PreviewRun`."""
         return (
             yield from self._inTurn(
                 lambda: PreviewRun(
                     self.surface,
-                    self._preview.of(planned, settings, straightening_fraction=straightening),
+                    self._preview.of(
+                        planned, settings, straightening_fraction=straightening, rows=rows
+                    ),
                     places,
                 )
             )

@@ -288,8 +288,9 @@ def _title(treated, number):
     names = [one_line(stent.stent.name) for stent in treated]
     if names[number] and names.count(names[number]) == 1:
         return names[number]
-    return _("{name} (stent {number} of {count})").format(
-        name=names[number] or _("Stent"), number=number + 1, count=len(treated)
+    rows = [stent.row for stent in treated]
+    return _("{name} (stent {row} of {count})").format(
+        name=names[number] or _("Stent"), row=rows[number], count=max(rows)
     )
 
 
@@ -312,10 +313,11 @@ def showProfile(parameterNode, run):
         "Equivalent before (mm)": before.equivalent_diameter,
         "Equivalent after (mm)": after.equivalent_diameter,
     }
-    table = Charts.fillTable(
-        parameterNode, {title: (values, "mm") for title, values in columns.items()}
+    Charts.fillTables(
+        parameterNode,
+        {name: (values, "mm") for name, values in columns.items()},
+        _("Diameters along {label}, proximal to distal").format(label=title),
     )
-    table.SetDescription(_("Diameters along {label}, proximal to distal").format(label=title))
     largest = max(np.nanmax(columns[name], initial=0.0) for name in SERIES)
     chart = Charts.showChart(parameterNode, POSITION, SERIES, top=1.1 * largest)
     chart.SetTitle(_("{label}: red before, blue after, dashed prescribed").format(label=title))

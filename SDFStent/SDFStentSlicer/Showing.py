@@ -165,7 +165,12 @@ def showTable(parameterNode):
     """Show the table in a layout that has one, and the 3D view as before."""
     logic = slicer.modules.tables.logic()
     _change("Table", logic.GetLayoutWithTable, "SlicerLayoutFourUpTableView")
-    activateTable(parameterNode.outputTable)
+    activateTable(readTable(parameterNode))
+
+
+def readTable(parameterNode):
+    """The table of diameters to be read; that of numbers in a scene of a former version, None without."""
+    return parameterNode.outputTexts or parameterNode.outputTable
 
 
 def _change(kind, layoutFor, with3D):
@@ -209,9 +214,9 @@ def activateTable(table):
 def followPlan(left, shown):
     """Where plot or table of the plan that is left are in a view, show those of the other plan, as far as it has them."""
     selection = slicer.app.applicationLogic().GetSelectionNode()
-    table, chart = left.outputTable, left.outputChart
-    if None not in (table, shown.outputTable) and selection.GetActiveTableID() == table.GetID():
-        activateTable(shown.outputTable)
+    (table, other), chart = map(readTable, (left, shown)), left.outputChart
+    if None not in (table, other) and selection.GetActiveTableID() == table.GetID():
+        activateTable(other)
     active = slicer.mrmlScene.GetNodeByID(selection.GetActivePlotChartID() or "")
     isFree = active is None or active is chart  # that of a lesion goes with the plan that is left
     if shown.outputChart is not None and isFree:

@@ -16,6 +16,7 @@ from .FlowSection import FlowSection
 from .History import HistoryButtons
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
+from .LowWindow import LowWindow
 from .PanelParts import GuiBinding, PanelSize
 from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
@@ -95,6 +96,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             )
         ]
         self.views, self.ends = RoomyViews(self.ui), StentEnds(self.logic)
+        self.window = LowWindow()
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.sections[0].isAwaited = lambda: self.recoil.isBusy
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
@@ -110,12 +112,14 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
 
     def enter(self):
         self._added.stop()  # what came before is no news
+        self.window.enter()
         self.initializeParameterNode()
         self._state.chooseOnly(self._parameterNode)
 
     def exit(self):
         self.setParameterNode(None)
         self.views.leave()
+        self.window.leave()
 
     def onReload(self):
         self.logic.dropLoadedPackages()

@@ -17,7 +17,7 @@ def test_show_table_changes_to_a_layout_with_a_table_that_shows_ours(host, aSten
     host.click(aStent.ui.showTableButton)
     assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayout3DTableView
     (view,) = slicer.util.getNodesByClass("vtkMRMLTableViewNode")
-    assert view.GetTableNodeID() == aStent._parameterNode.outputTable.GetID()
+    assert view.GetTableNodeID() == aStent._parameterNode.outputTexts.GetID()
     layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpPlotTableView)
     host.click(aStent.ui.showTableButton)  # a layout that has a table stays
     assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpPlotTableView
@@ -167,6 +167,7 @@ def outputsOf(parameters):
         parameters.outputCenterline,
         parameters.outputStents,
         parameters.outputTable,
+        parameters.outputTexts,
         chart,
         *series,
     ]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from panel_helpers import deploy, handleNames, planned, theThroat
+from panel_helpers import deploy, handleNames, planned, settle, theThroat
 
 
 @pytest.fixture
@@ -109,3 +109,34 @@ def test_a_copied_plan_dilates_its_own_stent(host, twoStents):
     assert third.handle is second.handle
     assert second.handle is not parameters.stents[1].handle
     assert planned(twoStents)[2].diameter == 8.0
+
+
+def test_messages_count_stents_as_the_table_does(host, twoStents):
+    """The first is dilated again at once, which is no row of its own: the second stays the second."""
+    from SDFStentSlicer.Tiles import tilesOf
+
+    ui, parameters = twoStents.ui, twoStents._parameterNode
+    ui.flowMeanSpinBox.value = 3.0
+    ui.stentTable.selectRow(0)
+    ui.redilationSpinBox.value = 8.0
+    ui.stentTable.selectRow(1)
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
+    deploy(host, twoStents)
+    assert [one.number for one in treatedStents(twoStents)] == [1, 2, 3]
+    assert [one.row for one in treatedStents(twoStents)] == [1, 1, 2]
+    told = ui.warningLabel.text + ui.lumenLabel.text
+    assert "Stents 1 and 2 overlap" in told
+    assert "Stent 2" in told
+    assert "tent 3" not in told
+    assert "drop over stent 1" in told
+    assert "drop over stent 2" in told
+    assert "Pressure drop" in [one.name for one in tilesOf(parameters)]
+    assert "drop" in parameters.atHand
+    parameters.stent.diameter = 60.0  # beyond any lumen here
+    host.click(ui.deployButton)
+    settle(host, twoStents)
+    assert ui.statusLabel.text.startswith("Stent 2: ")
+
+
+def treatedStents(panel):
+    return panel.logic.lastRun(panel._parameterNode).result.stents

@@ -315,3 +315,59 @@ def test_the_certificate_comes_last_and_small(host, aStent):
     sizes = re.findall(r"font-size: (\w+); font-weight: 600", text)
     assert sizes == [*(len(sizes) - 1) * ["large"], "small"]
     assert text.rindex("certified for meshing") > text.rindex("font-weight")
+
+
+class Part:
+    """A widget of the main window, as `slicer.util.findChildren` looks at it."""
+
+    def __init__(self, name, *children, height=0):
+        self.name, self.height, self.collapsed = name, height, False
+        self.children = lambda: list(children)
+
+
+@pytest.fixture
+def aMainWindow():
+    """One of 800 pixels, with *Data Probe* open."""
+    probe = Part("DataProbeCollapsibleWidget")
+    slicer.app.window = Part("qSlicerMainWindow", Part("PanelDockWidget", probe), height=800)
+    slicer.app.showMainWindow(True)
+    yield slicer.app.window, probe
+    slicer.app.showMainWindow(False)
+    slicer.app.window = None
+
+
+PROBE = 125
+"""Pixels that *Data Probe* takes of a panel."""
+
+
+def test_in_a_low_window_data_probe_makes_room_for_all_tiles(host, aStent, aMainWindow):
+    from PySide6 import QtWidgets
+
+    window, probe = aMainWindow
+    host.leave(aStent)
+    host.enter(aStent)
+    assert probe.collapsed
+    host.processUntil(lambda: not aStent.lesions.isBusy)
+    aStent.ui.flowMeanSpinBox.value = 3.0  # with it there are three rows
+    QtWidgets.QWidget.resize(aStent.parent, 440, 900)
+    deploy(host, aStent)
+    host.process()
+    assert bottomOf(aStent.ui.tilesLabel, aStent) <= SHORTEST_PANEL + PROBE
+    host.leave(aStent)
+    assert not probe.collapsed
+    host.enter(aStent)
+    probe.collapsed = False  # by the user, who has it
+    host.leave(aStent)
+    assert not probe.collapsed
+    window.height = 1080  # there is room for both
+    host.enter(aStent)
+    assert not probe.collapsed
+
+
+def test_data_probe_that_was_folded_stays_so(host, aPanel, aMainWindow):
+    _window, probe = aMainWindow
+    probe.collapsed = True
+    host.leave(aPanel)
+    host.enter(aPanel)
+    host.leave(aPanel)
+    assert probe.collapsed

@@ -129,13 +129,13 @@ def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
     second = aPlan._parameterNode
     selection = slicer.app.applicationLogic().GetSelectionNode()
     assert selection.GetActivePlotChartID() == second.outputChart.GetID()  # whatever the layout
-    assert selection.GetActiveTableID() == second.outputTable.GetID()
+    assert selection.GetActiveTableID() == second.outputTexts.GetID()
     host.click(ui.showPlotButton)
     host.click(ui.showTableButton)
     for row, plan in ((0, first), (1, second)):
         ui.planTable.selectRow(row)
         assert selection.GetActivePlotChartID() == plan.outputChart.GetID()
-        assert selection.GetActiveTableID() == plan.outputTable.GetID()
+        assert selection.GetActiveTableID() == plan.outputTexts.GetID()
         lines = (plan.outputChart.GetNthPlotSeriesNode(index) for index in range(3))
         assert [line.GetName() for line in lines] == list(SERIES)  # as a pointer tells them
 

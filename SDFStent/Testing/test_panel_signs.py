@@ -53,6 +53,7 @@ def test_results_are_called_by_their_plan(host, aStent):
         ("outputStents", "Stents"),
         ("outputCenterline", "Stented centerline"),
         ("outputTable", "Stent diameters"),
+        ("outputTexts", "Stent diameters to read"),
     ):
         assert getattr(parameters, role).GetName() == f"{name}, Plan 2"
 
@@ -76,6 +77,31 @@ def test_diameters_have_two_decimals(host, aStent):
     values = slicer.util.arrayFromTableColumn(table, "After (mm)")
     known = values[np.isfinite(values)]
     np.testing.assert_allclose(known, known.round(2), rtol=0, atol=1e-12)
+
+
+def test_the_table_to_read_has_the_same_numbers_and_nothing_where_none_is_known(host, aStent):
+    """Slicer's view writes what a column's variants are as texts: "nan" where a number is none."""
+    deploy(host, aStent)
+    host.click(aStent.ui.showTableButton)
+    parameters = aStent._parameterNode
+    numbers, shown = parameters.outputTable, parameters.outputTexts
+    columns = range(numbers.GetNumberOfColumns())
+    names = [numbers.GetColumnName(column) for column in columns]
+    assert [shown.GetColumnName(column) for column in columns] == names
+    empty = 0
+    for column, name in enumerate(names):
+        values = slicer.util.arrayFromTableColumn(numbers, name)
+        table = shown.GetTable()
+        texts = [table.GetValue(row, column).ToString() for row in range(table.GetNumberOfRows())]
+        assert len(texts) == len(values)
+        for text, value in zip(texts, values, strict=True):
+            assert text == ("" if np.isnan(value) else f"{value + 0.0:.2f}")
+            empty += not text
+        assert shown.GetColumnTitle(name) == name.removesuffix(" (mm)")
+        assert shown.GetColumnUnitLabel(name) == "mm"
+    assert empty > 0  # beyond the stent nothing is prescribed
+    assert shown.GetLocked()
+    assert shown.GetDescription() == numbers.GetDescription()
 
 
 def test_every_sample_has_a_picture_of_its_own(theModule):

@@ -90,7 +90,7 @@ def flow_answer(
     if treated is not None:
         assert treated.centerline is not None
         after = vessel.followed.after(treated.centerline, treated.surface)
-        parts = [Part(f"stent {one.number}", one.axis.points) for one in treated.final_stents]
+        parts = [Part(f"stent {one.row}", one.axis.points) for one in treated.final_stents]
     for number, lesion in enumerate(vessel.lesions or (), start=1):
         if lesion.reference_diameter >= SMALL_VESSEL:
             name, before = f"lesion {number}, {lesion.branch_name}", lesion.reference_diameter

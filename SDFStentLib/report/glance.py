@@ -138,7 +138,7 @@ def measured_lines(
         _size(treated),
         f"narrowest {' -> '.join(number_text(one, 1) for one in lumens)} mm",
         _left(treated, stents, lesions or ()),
-        "" if flow is None else _flow(flow, treated.number),
+        "" if flow is None else _flow(flow, treated.row),
         _branches(treated),
         _contact(treated),
         *_warning_line(sorted(cautions, key=lambda one: one.stent != treated.number)),
@@ -202,23 +202,23 @@ def _branches(treated: TreatedStent) -> str:
     return words and f"branches: {words}"
 
 
-def _flow(flow: Mapping[str, Any], number: int) -> str:
+def _flow(flow: Mapping[str, Any], row: int) -> str:
     """At the mean flow: the side that gains most, and the drop over the stent."""
     told, gained = [], share_gained(flow["before"]["mean"], flow["after"]["mean"])
     if gained is not None:
         told.append(f"flow to the {gained.side} {gained.before:.0f} -> {gained.after:.0f} %")
-    if drops := _drops(flow, number):
+    if drops := _drops(flow, row):
         told.append(f"drop {' -> '.join(number_text(one, 1) for one in drops)} mmHg")
     return ", ".join(told)
 
 
-def _drops(flow: Mapping[str, Any], number: int) -> list[float]:
+def _drops(flow: Mapping[str, Any], row: int) -> list[float]:
     """Over a stent at the mean flow, before and after treatment, mmHg; none where not told."""
     return [
         one["recovered_mmhg"]["value"]
         for state in (flow["before"]["mean"], flow["after"]["mean"])
         for one in state["narrowings"]
-        if one["name"] == f"stent {number}"
+        if one["name"] == f"stent {row}"
     ]
 
 
@@ -268,7 +268,7 @@ def result_tiles(
         _stenosis(stents, lesions or ()),
         _beside(stents),
         *_touching(stents),
-        *([] if flow is None else _flowing(flow, [one.number for one in stents])),
+        *([] if flow is None else _flowing(flow, [one.row for one in stents])),
         _surface(certificate),
     ]
     # What is the engineer's comes last, whatever it says.
@@ -334,13 +334,13 @@ def _touching(stents: Sequence[TreatedStent]) -> Iterator[Tile]:
     yield Tile(CONTACT, off, f"of {length:.0f} mm")
 
 
-def _flowing(flow: Mapping[str, Any], numbers: Sequence[int]) -> Iterator[Tile]:
+def _flowing(flow: Mapping[str, Any], rows: Sequence[int]) -> Iterator[Tile]:
     """At the mean flow: the side that gains most, the largest drop over a stent, power lost."""
     gained = share_gained(flow["before"]["mean"], flow["after"]["mean"])
     if gained is not None:
         beneath = f"before {gained.before:.0f} %"
         yield Tile(f"Flow to the {gained.side}", f"{gained.after:.0f} %", beneath)
-    drops = [both for number in numbers if len(both := _drops(flow, number)) == 2]
+    drops = [both for row in rows if len(both := _drops(flow, row)) == 2]
     if drops:
         first, last = (f"{number_text(one, 1)} mmHg" for one in max(drops))
         yield Tile("Pressure drop", last, f"before {first}")

@@ -229,7 +229,7 @@ def _spans(lesion: Lesion, stents: Sequence[PlacedStent]) -> list[_Span]:
         # What lies beyond the line goes on straight.
         along += np.minimum((ends - start) @ directions[0], 0.0)
         along += np.maximum((ends - end) @ directions[-1], 0.0)
-        found.append(_Span(float(along.min()), float(along.max()), stent.number))
+        found.append(_Span(float(along.min()), float(along.max()), stent.row))
     return sorted(found)
 
 

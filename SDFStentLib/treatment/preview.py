@@ -170,6 +170,7 @@ class Preview:
         settings: DeploymentSettings | None = None,
         *,
         straightening_fraction: float = 0.0,
+        rows: Sequence[int] = (),
     ) -> PreviewState:
         """The vessel after some stents; parameters and errors as for `Treatment`."""
         fraction = as_number(straightening_fraction, "straightening", minimum=0, maximum=1)
@@ -180,7 +181,7 @@ class Preview:
             for number, planned in enabled:
                 is_last = len(previewed) == len(enabled) - 1
                 tree = None if is_last else centerline
-                with labeled(label_of(stents, number)):
+                with labeled(label_of(stents, number, rows)):
                     stent, lies_on = resolved(planned, {one.number: one for one in previewed})
                     change = AxisChange.of(fraction, settings)
                     axis = axis_in_vessel(stent, centerline, self._lumen, change, lies_on=lies_on)

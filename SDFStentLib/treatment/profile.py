@@ -14,7 +14,7 @@ from ..geometry import Surface, nearest_distances
 from ..lumen import off_caps
 from ..stent import Stent, StentAxis
 from ..validation import Floats
-from .value import labeled
+from .value import PlacedStent, labeled
 
 
 def with_profile(axis: StentAxis, stent: Stent, surface: Surface) -> StentAxis:
@@ -61,11 +61,24 @@ def named_states(deployment: Deployment, label: str) -> Iterator[DeploymentState
 class Stage(NamedTuple):
     """One stent as its turn found the vessel; it is measured when all are in place."""
 
-    number: int
-    stent: Stent
-    axis: StentAxis
+    placed: PlacedStent
     centerline: Centerline | None
     deployment: Deployment
+
+    @property
+    def number(self) -> int:
+        """Of the stent in the plan, from 1."""
+        return self.placed.number
+
+    @property
+    def stent(self) -> Stent:
+        """With all of its sizes."""
+        return self.placed.stent
+
+    @property
+    def axis(self) -> StentAxis:
+        """On which it lies."""
+        return self.placed.axis
 
     @property
     def result(self) -> DeploymentResult:

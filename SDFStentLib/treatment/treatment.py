@@ -22,7 +22,7 @@ from ..centerline import Centerline
 from ..certificate import Certificate, LumenCheck, certify
 from ..deformation import Deployment, DeploymentSettings
 from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
-from ..lumen import DiameterProfile, bulged_caps, diameter_profile
+from ..lumen import bulged_caps, diameter_profile
 from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
@@ -84,6 +84,8 @@ class Treatment:
         Of the surface; branches are called by them.
     given_names : sequence of str or None
         What the user calls the branches of the centerline, each in its place, as `Vessel` has it.
+    rows : sequence of int
+        By which messages count the stents; without, by their places in `stents`.
 
     Raises
     ------
@@ -104,21 +106,21 @@ class Treatment:
     precision: Precision = field(default_factory=Precision)
     faces: NamedFaces | None = None
     given_names: Sequence[str | None] = ()
+    rows: Sequence[int] = ()
 
     def __post_init__(self) -> None:
         self.surface = as_surface(self.surface)
         self.faces = checked_faces(self.faces, len(self.surface.triangles))
         self.stents = tuple(self.stents)
+        self.rows = tuple(self.rows) or range(1, len(self.stents) + 1)
         self.settings = self.settings or DeploymentSettings()
         self.straightening_fraction = as_number(
             self.straightening_fraction, "straightening fraction", minimum=0, maximum=1
         )
-        companions = () if self.companions is None else self.companions
-        self.companions = as_points(companions, "companion points")
+        given = () if self.companions is None else self.companions
+        self.companions = as_points(given, "companion points")
         self.precision = self.precision or Precision()
-        self._result: TreatmentResult | None = None
-        self._stages: list[Stage] = []
-        self._seconds = {"setup": 0.0, "deploy": 0.0}
+        self._begin()
         self._enabled = switched_on(self.stents)
         # Fails here rather than after the first stent. Later stents lie elsewhere once the earlier
         # ones have moved the centerline.
@@ -127,10 +129,14 @@ class Treatment:
             placed[number] = self._placed(number, stent, self.centerline, self.surface, placed)
         self._first = placed[self._enabled[0][0]]
 
+    def _begin(self) -> None:
+        self._result: TreatmentResult | None = None
+        self._stages: list[Stage] = []
+        self._seconds = {"setup": 0.0, "deploy": 0.0}
+
     def __iter__(self) -> Iterator[TreatmentState]:
         """Yield the states of every stent in turn."""
-        self._result, self._stages = None, []
-        self._seconds = {"setup": 0.0, "deploy": 0.0}
+        self._begin()
         surface, centerline, companions = self.surface, self.centerline, self.companions
         placed = {self._first.number: self._first}
         for done, (number, planned) in enumerate(self._enabled):
@@ -154,7 +160,7 @@ class Treatment:
                 yield TreatmentState(number, fraction, state, surface, axis)
             self._seconds["setup"] += ready - start
             self._seconds["deploy"] += perf_counter() - ready
-            self._stages.append(Stage(number, stent, axis, centerline, deployment))
+            self._stages.append(Stage(placed[number], centerline, deployment))
             result = deployment.result
             surface = result.surface
             moved_tree, companions = np.split(result.state.companions, [len(tree)])
@@ -173,7 +179,7 @@ class Treatment:
 
     def label(self, number: int) -> str:
         """How a message names a stent; empty when there is only one, without a name."""
-        return label_of(self.stents, number)
+        return label_of(self.stents, number, self.rows)
 
     def _placed(
         self,
@@ -188,7 +194,7 @@ class Treatment:
             stent, lies_on = resolved(planned, placed)
             axis = axis_in_vessel(stent, centerline, surface, change, lies_on=lies_on)
             check_width(stent.widest_diameter, axis, self.surface)
-            return PlacedStent(number, stent, axis)
+            return PlacedStent(number, stent, axis, row=self.rows[number - 1])
 
     def _measured(self) -> TreatmentResult:
         after, centerline, companions = self._final
@@ -240,6 +246,7 @@ class Treatment:
             number=stage.number,
             stent=stage.stent,
             axis=stage.axis,
+            row=stage.placed.row,
             before=survey.before.taken(survey.stations.own),
             after=seen.after.taken(survey.stations.own),
             around_before=survey.before,
@@ -302,9 +309,8 @@ class Treatment:
         # Every stent has a check, or none has: that is a matter of the settings.
         checks = certificate.lumen if certificate is not None else ()
         for stage, done, check in zip_longest(self._stages, treated, checks):
-            label = self.label(done.number)
             for caution in self._warnings_of(stage, done, after, check):
-                yield replace(caution, stent=done.number).labeled(label)
+                yield replace(caution, stent=done.number).labeled(self.label(done.number))
         # One that is dilated again lies in the vessel as it is by then.
         for first, second in combinations([done for done in treated if done.again is None], 2):
             yield from overlap(first, second)
@@ -321,12 +327,6 @@ class Treatment:
                 yield replace(caution, stent=stage.number).labeled(self.label(stage.number))
         yield from certificate.cautions()
 
-    def _found_lumen(self, stage: Stage, done: TreatedStent) -> DiameterProfile | None:
-        """The lumen that earlier stents left for one that moved nothing."""
-        if done.moved_points:
-            return None
-        return diameter_profile(stage.deployment.surface, stage.axis.line, PROFILE_SPACING)
-
     def _warnings_of(
         self, stage: Stage, done: TreatedStent, after: Surface, check: LumenCheck | None
     ) -> Iterator[Caution]:
@@ -337,7 +337,9 @@ class Treatment:
             coarse = [*coarse_mesh(done)]
         else:
             coarse = [*too_coarse(check, stage.deployment.surface, after)]
-        left = None if is_first else self._found_lumen(stage, done)
+        left = None  # by earlier stents, for one that moved nothing
+        if not (is_first or done.moved_points):
+            left = diameter_profile(stage.deployment.surface, stage.axis.line, PROFILE_SPACING)
         yield from nothing_moved(done, left, coarse)
         yield from hangs_free(done)
         yield from coarse

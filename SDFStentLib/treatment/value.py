@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -68,6 +68,11 @@ class PlacedStent:
     number: int
     stent: Stent
     axis: StentAxis
+    row: int = field(default=0, kw_only=True)
+    """By which who reads of it counts it, from 1: its number in the plan, unless told otherwise."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "row", self.row or self.number)
 
 
 @dataclass(frozen=True)
@@ -278,9 +283,13 @@ def resolved(stent: Stent, placed: Mapping[int, PlacedStent]) -> tuple[Stent, St
     return redilated(again, first.stent, first.axis), first.axis
 
 
-def label_of(stents: Sequence[Stent], number: int) -> str:
-    """How a message names a stent; empty when there is only one, without a name of its own."""
-    plain, name = f"Stent {number}", stents[number - 1].name
+def label_of(stents: Sequence[Stent], number: int, rows: Sequence[int] = ()) -> str:
+    """How a message names a stent; empty when there is only one, without a name of its own.
+
+    Where `rows` tell by what each is counted, by that.
+    """
+    row = rows[number - 1] if rows else number
+    plain, name = f"Stent {row}", stents[number - 1].name
     if name in ("", plain):
         return "" if len(stents) == 1 else f"{plain}: "
     return f"{plain} ({name}): "

@@ -133,7 +133,7 @@ def overlap(first: TreatedStent, second: TreatedStent) -> Iterator[Caution]:
         first.axis.line, first.stent.radius, second.axis.line, second.stent.radius
     )
     if common > 0:
-        numbers = {"first": first.number, "second": second.number, "length_mm": common}
+        numbers = {"first": first.row, "second": second.row, "length_mm": common}
         yield Caution("overlap", numbers)
 
 
@@ -165,7 +165,9 @@ def narrowed_neighbors(
         if len(numbers) == 1:
             yield replace(worst.caution(), stent=numbers[0]).labeled(label(numbers[0]))
         else:
-            yield worst.caution().labeled(f"Stents {_and(numbers)}: ")
+            rows = {one.number: one.row for one in treated}
+            named = dict.fromkeys(rows[number] for number in numbers)
+            yield worst.caution().labeled(f"Stent{'s' * (len(named) > 1)} {_and(named)}: ")
 
 
 def _and(numbers: Iterable[int]) -> str:

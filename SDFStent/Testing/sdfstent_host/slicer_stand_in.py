@@ -60,7 +60,7 @@ class App:
     def __init__(self, application):
         self._application, self._settings = application, Settings()
         self.startupFunctions, self.temporaryPath = [], application.folder.name
-        self.hasStarted, self._layoutManager = False, None
+        self.hasStarted, self._layoutManager, self.window = False, None, None
 
     def connect(self, signature, function):
         if signature.startswith("startupCompleted") and not self.hasStarted:
@@ -81,7 +81,7 @@ class App:
         return self._layoutManager  # None, as with --no-main-window
 
     def showMainWindow(self, shown):
-        """Have a layout manager, or none."""
+        """Have a layout manager, or none; `window` is the main window, if a test makes one."""
         self._layoutManager = LayoutManager(self._application) if shown else None
 
     def settings(self):
@@ -225,6 +225,7 @@ def _patchUtil():
     util.modulePath = lambda name: getattr(slicer.modules, name.lower()).path
     util.settingsValue = lambda key, default, converter=None: default
     util.shownErrors, util.shownMessages, util.selectedModules = [], [], []
+    util.mainWindow = lambda: slicer.app.window
     util.selectModule = lambda name: util.selectedModules.append(_module(name).name)
     util.getModuleWidget = lambda name: _module(name).widget
     util.errorDisplay = lambda text, *_, **__: util.shownErrors.append(text)

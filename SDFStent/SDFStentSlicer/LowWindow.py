@@ -1,0 +1,32 @@
+"""Room for the panel in a low window: what is told below *Deploy* lies beneath Slicer's *Data Probe* there."""
+
+import slicer
+
+LOW = 950
+"""Pixels of a main window in which, with *Data Probe* open, the rows of tiles do not all fit: what is not the panel takes 410."""
+
+
+class LowWindow:
+    """Folds *Data Probe* while the module is shown in a low window, and unfolds it behind it.
+
+    Its header stays: who unfolds it meanwhile has it.
+    """
+
+    def __init__(self):
+        self._folded = None
+
+    def enter(self):
+        """The module is shown now."""
+        window = None if slicer.app.layoutManager() is None else slicer.util.mainWindow()
+        if window is None or window.height >= LOW:
+            return
+        for probe in slicer.util.findChildren(window, name="DataProbeCollapsibleWidget"):
+            if not probe.collapsed:
+                probe.collapsed = True
+                self._folded = probe
+
+    def leave(self):
+        """The module is left."""
+        folded, self._folded = self._folded, None
+        if folded is not None:
+            folded.collapsed = False
