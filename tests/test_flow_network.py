@@ -30,7 +30,7 @@ from SDFStentLib.flow import (
 )
 from SDFStentLib.flow.blocks import Method, Stream, blocks_of, turns_of
 from SDFStentLib.flow.channels import Channel, Widths, widths_of
-from SDFStentLib.flow.profiles import bends_of
+from SDFStentLib.flow.profiles import Way, bends_of, deans_of, layers_of, profile_of, swept_of
 from SDFStentLib.flow.spans import Piece, drop_over
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
@@ -97,6 +97,38 @@ def test_a_bend_costs_what_was_measured_in_coils(radius, flow):
     dean = RHO * 1e-6 * flow / area(4.0) * 0.004 / MU * (2 / radius) ** 0.5
     white = 1 / (1 - (1 - (11.6 / dean) ** 0.45) ** (1 / 0.45)) if dean > 11.6 else 1.0
     assert told == pytest.approx(white, rel=0.08)
+
+
+DEVELOPING = [
+    (100, 1.0, 1.0, 1.585),
+    (300, 1.0, 1.0, 2.475),
+    (845, 1.0, 1.0, 4.22),
+    (845, 1.61, 0.6, 3.43),
+    (845, 3.1, 0.3, 2.93),
+    (300, 3.1, 0.3, 2.07),
+]
+"""By Dean's number, and by how much a mouth narrows before (so thin is the layer over the radius
+then), what is lost in a bend of 194 degrees over what a straight tube loses: Navier-Stokes
+equations marched along it (docs/flow.md)."""
+
+
+@pytest.mark.parametrize(("dean", "mouth", "layer", "reference"), DEVELOPING)
+def test_a_bend_costs_what_blood_loses_that_it_sweeps_across(dean, mouth, layer, reference):
+    """A bend of 7.8 radii, 26.4 radii long; radius and mean speed are 1."""
+    steps = 1000
+    reynolds = dean / 0.128**0.5  # by the diameter
+    way = Way([0, steps + 2], [[]], np.r_[1e-9, np.full(steps, 26.4 / steps), 0.0])
+    area, spread = np.full(steps + 2, np.pi), np.full(steps + 2, 2 / (np.pi * reynolds))
+    area[0] *= mouth
+    bends = np.full(steps + 2, 0.128)
+    layers = layers_of(way, area, spread, bends)
+    assert layers[1] == pytest.approx(layer, abs=0.01)
+    swept = swept_of(way, area, layers, deans_of(area, spread, bends))[1:]
+    friction = profile_of(layers[1:]).friction
+    lost = (friction[1:] + friction[:-1]).mean() / 2
+    # Of density and the square of the speed a straight tube loses 16 lengths over Reynolds' number.
+    lost += np.pi**2 * swept.sum() / (16 * 26.4 / reynolds)
+    assert lost == pytest.approx(reference, rel=0.11)
 
 
 def test_a_sudden_expansion_before_a_long_vessel_loses_what_borda_and_carnot_say():

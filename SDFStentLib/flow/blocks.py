@@ -15,7 +15,7 @@ import numpy as np
 
 from ..validation import Floats
 from .channels import OBLONG, Channel, Widths, meeting_of, outlets_of
-from .profiles import Way, layers_of, profile_of, way_of
+from .profiles import Way, deans_of, layers_of, profile_of, swept_of, way_of
 from .sharp_bends import NONE, SharpBends
 
 PASCAL_PER_MMHG = 133.322
@@ -203,15 +203,17 @@ def blocks_of(
     bent = np.cumsum(at_each, dtype=np.float64)
     # The wall rubs against what moves along it: not against the dead water round a jet.
     friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
+    swept = swept_of(way, area, layer, deans_of(area, spread, stream.bends)) * attached / jet
+    swept = np.append(0.0, np.cumsum(swept[:-1]))
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
-    resisted, bent = (_from_starts(way, values) for values in (resisted, bent))
+    resisted, bent, swept = (_from_starts(way, values) for values in (resisted, bent, swept))
     ends = {*outlets_of(channels), *meeting_of(channels)}
     found = []
     for number, (start, end) in enumerate(pairwise(way.starts)):
         found.append(
             Block(
                 friction=resisted[start:end],
-                mixing=jets.mixing[start:end],
+                mixing=jets.mixing[start:end] + swept[start:end],
                 dividing=jets.dividing[start:end],
                 taken=jets.taken[start:end],
                 turning=turning[number],

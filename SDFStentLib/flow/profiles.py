@@ -24,6 +24,12 @@ BENT = 11.6
 """White (1929): from this Dean number on a bend costs more than a straight tube."""
 
 
+_DEAN = np.log([BENT, 20, 50, 100, 200, 400, 800, 1600])
+_COILED = np.array([2.0, 1.969, 1.813, 1.690, 1.597, 1.526, 1.475, 1.421])
+"""By the logarithm of Dean's number the energy of the developed profile in a coil over that of an
+even one: Dean's equations solved by finite elements (docs/flow.md)."""
+
+
 class Way(NamedTuple):
     """The stations of all channels one after the other."""
 
@@ -124,6 +130,29 @@ def _rates() -> tuple[list[float], list[float]]:
 _GROWS, _WIDENS = _rates()
 
 
+def deans_of(area: Floats, spread: Floats, bends: Floats | float) -> Floats:
+    """Dean's numbers (m,); arguments as of `layers_of`."""
+    radius = np.sqrt(area / np.pi)
+    return np.asarray(2 / (np.pi * radius * spread) * np.sqrt(radius * bends))
+
+
+def swept_of(way: Way, area: Floats, layer: Floats, dean: Floats) -> Floats:
+    """What bends take of the energy of profiles (m,) from each station to the next one.
+
+    Over the density and the square of the flow, 1/m^4. Blood that is swept across the vessel loses
+    what its profile has more than a developed one in such a bend.
+    """
+    at, to = slice(None, -1), slice(1, None)
+    # A vessel that narrows thins the layer without a loss.
+    power = np.take(_WIDENS, (1000 * layer[at]).astype(int)) * np.diff(np.log(area))
+    widened = np.minimum(layer[at] * np.exp(power / 2), 1.0)
+    least = np.interp(np.log(np.maximum(dean[at], BENT)), _DEAN, _COILED)
+    energy = (profile_of(one).energy for one in (widened, layer[to]))
+    before, after = (np.maximum(one, least) for one in energy)
+    lost = np.where(way.step[at] > 0, np.maximum(before - after, 0.0), 0.0)
+    return np.append(lost / (2 * area[to] ** 2), 0.0)
+
+
 def layers_of(way: Way, area: Floats, spread: Floats, bends: Floats | float = 0.0) -> Floats:
     """Thickness of the layer over the radius (m,); into the tree blood comes developed.
 
@@ -137,10 +166,8 @@ def layers_of(way: Way, area: Floats, spread: Floats, bends: Floats | float = 0.
     bends : ndarray (m,), optional
         As of `bends_of`; straight vessels without.
     """
-    radius = np.sqrt(area / np.pi)
-    dean = 2 / (np.pi * radius * spread) * np.sqrt(radius * bends)
     # As plain numbers: one station after the other.
-    swept = (dean / BENT).tolist()
+    swept = (deans_of(area, spread, bends) / BENT).tolist()
     steps = (4 * np.pi * spread * way.step).tolist()
     growth = np.diff(np.log(area), append=0.0).tolist()
     found: list[float] = []
