@@ -31,8 +31,7 @@ from SDFStentLib.phantoms import (
     stenosed_tube,
 )
 from SDFStentLib.plan import flow_model
-from SDFStentLib.simulation.conditions import conditions_of
-from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment
+from SDFStentLib.treatment import Vessel
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import VesselName
 
@@ -280,31 +279,6 @@ def test_networks_of_two_inlets_run_unchanged_in_svzerod(files):
     found = svzerod.simulate(document)
     first = found[found["name"] == "vessel0"].iloc[-1]
     assert first["pressure_in"] / (10 * MMHG) == pytest.approx(14.0, abs=1e-3)
-
-
-@pytest.mark.parametrize("has_pressures", [True, False])
-def test_a_vein_that_is_cut_off_is_an_inlet_in_3d(fontan, has_pressures):
-    vessel = a_fontan(fontan)
-    ends = [fontan.vessels[0].axis.point(at)[0] for at in (8.0, 95.0)]
-    segment = extract_segment(vessel, *ends, SegmentWishes(False, True)).before
-    pressures = {"inlet": 14.0, "wedge": 8.0} if has_pressures else {}
-    known = known_flow(inlets=flows(IVC=30.0, SVC=20.0), **pressures)
-    model = flow_model(vessel, known)
-    answer = model.answer(vessel.channels)
-    made, _ = conditions_of(answer, model.channels, segment, segment)
-    assert made.inflow == pytest.approx(30.0, rel=1e-6)
-    by_kind = {one.kind: one for one in made.outlets}
-    vein = by_kind["flow"] if has_pressures else min(made.outlets, key=lambda one: one.flow)
-    assert vein.kind == "flow"
-    assert vein.value == pytest.approx(-20.0, rel=1e-6)
-    assert made.entering == pytest.approx(50.0, rel=1e-6)
-    assert sum(one.flow for one in made.outlets) == pytest.approx(30.0, rel=1e-6)
-    if has_pressures:
-        # Both lungs leave 14 mmHg less what the connection costs to the flow beyond 8.
-        for one in made.outlets:
-            if one.kind == "resistance":
-                beyond = one.value * one.flow / (10 * MMHG)
-                assert 4.0 < beyond < 6.0
 
 
 def between(tree, start, end):

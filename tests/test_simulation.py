@@ -29,7 +29,7 @@ from SDFStentLib.flow import Wave
 from SDFStentLib.geometry import Surface, SurfaceIndex, signed_volume
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.report import mesh_sentences
-from SDFStentLib.simulation import Conditions, Outlet, prepare
+from SDFStentLib.simulation import Conditions, Cycle, End, prepare
 from SDFStentLib.simulation.ends import extended
 from SDFStentLib.simulation.mmg import MeditMesh, _program
 from SDFStentLib.simulation.prepared import Filled, well_filled
@@ -248,14 +248,16 @@ def test_a_folder_has_all_that_the_solver_asks_for(folder):
 
 def test_a_wave_is_solved_over_cycles_and_flows_may_be_set_at_outlets():
     time = np.linspace(0, 0.8, 21)
-    flow = FLOW * (1 + 0.5 * np.sin(2 * math.pi * time / 0.8))
-    wave = Wave(tuple(time.tolist()), tuple(flow.tolist()))
-    outlets = (
-        Outlet("main", "pressure", 0.0, 15.0),
-        Outlet("branch", "flow", 5.0, 5.0),
-        Outlet("lung", "resistance", 1000.0, 2.0),
+    shape = 1 + 0.5 * np.sin(2 * math.pi * time / 0.8)
+    shape[-1] = shape[0]
+    ends = (
+        End("inlet", "flow", -FLOW, -FLOW),
+        End("main", "pressure", 0.0, 15.0),
+        End("branch", "flow", 5.0, 5.0),
+        End("lung", "resistance", 1000.0, 2.0),
     )
-    conditions = Conditions(FLOW, wave, outlets, wedge=8 * MMHG)
+    cycle = Cycle(time, np.outer([one.flow for one in ends], shape), 100)
+    conditions = Conditions(ends, cycle, wedge=8 * MMHG)
     texts = solver_files(conditions, time_steps(conditions, 0.3, 1.5, 1000.0))
     assert "<!--" not in texts["solver.xml"]
     root = ElementTree.fromstring(texts["solver.xml"])
@@ -311,9 +313,13 @@ def series(text):
 @pytest.mark.parametrize("rest", [0.0, 10.0])
 def test_a_spike_reaches_the_solver_as_high_as_it_is(rest):
     """Sixteen harmonics had a seventh of it."""
-    outlets = (Outlet("outlet", "resistance", 1000.0, 2.0),)
     wave = Wave((0, 0.1, 0.105, 0.11, 0.8), (rest, rest, 150, rest, rest))
-    conditions = Conditions(wave.mean, wave, outlets)
+    ends = (
+        End("inlet", "flow", -wave.mean, -wave.mean),
+        End("outlet", "resistance", 1000.0, wave.mean),
+    )
+    cycle = Cycle(np.array(wave.time), np.outer([-1, 1], wave.flow), wave.steps)
+    conditions = Conditions(ends, cycle)
     steps = time_steps(conditions, 3.0, 6.0, 1000.0)
     assert steps.number >= 3 * wave.steps
     found, flow = series(solver_files(conditions, steps)["inlet.flow"])

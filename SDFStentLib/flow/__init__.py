@@ -25,6 +25,7 @@ from .network import Outlets as Outlets
 from .network import State as State
 from .network import lost_to as lost_to
 from .network import steady as steady
+from .network import steady_states as steady_states
 from .outlets import OTHERS as OTHERS
 from .outlets import SideClues as SideClues
 from .outlets import Sides as Sides

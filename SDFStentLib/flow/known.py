@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ..parameter import check_parameters, parameter
 from ..units import MOST_FLOW
 from ..validation import Floats, InputError, Place, as_number
-from .wave import RATES, Wave
+from .wave import RATES, Wave, on_common_steps
 
 MOST_PRESSURE = 300.0
 """mmHg, above what any artery has."""
@@ -21,9 +21,6 @@ MOST_BSA = 4.0
 
 SAME = 1e-6
 """Share by which flows of inlets may miss the mean flow: they are written with a few digits."""
-
-SAMPLES = 64
-"""Even times of a cycle at which a vessel is looked at where inlets have waves of their own."""
 
 MOST_MEAN = 26.8
 """L/min, what trained men have at their most (Grimby, Nilsson and Saltin, J Appl Physiol 1966;
@@ -103,7 +100,9 @@ class Known:
         check_parameters(self)
         _check_inlets(self.inlets, self.mean)
         if self.is_uneven:
-            object.__setattr__(self, "wave", _together(self.inlets))
+            inlets, whole = _together(self.inlets)
+            object.__setattr__(self, "inlets", inlets)
+            object.__setattr__(self, "wave", whole)
         wave = self.wave
         if wave is not None and not math.isclose(wave.mean, self.mean, rel_tol=1e-12):
             object.__setattr__(self, "wave", wave.scaled(self.mean))
@@ -133,14 +132,17 @@ class Known:
     def spread(self, inlets: int = 1) -> tuple[Floats, Floats]:
         """Flows (t,), mL/s, with weights (t,), that tell means: one, or those of a wave.
 
-        Where waves of inlets differ, flows (t, i) at even times.
+        Where waves of inlets differ, flows (t, i) at two times between every two rows, by Gauss'
+        quadrature: exact for losses that go with the square of flow.
         """
         if self.wave is None:
             return np.array([self.mean]), np.ones(1)
         if not self.is_uneven:
             return self.wave.spread()
-        times = np.arange(SAMPLES) * self.wave.cycle / SAMPLES
-        return self.through(times, inlets), np.full(SAMPLES, 1 / SAMPLES)
+        rows = np.array(self.wave.time)
+        step, middle = np.diff(rows)[:, None], (rows[1:] + rows[:-1])[:, None] / 2
+        times = (middle + step / math.sqrt(12) * np.array([-1, 1])).ravel()
+        return self.through(times, inlets), np.repeat(step / (2 * self.wave.cycle), 2)
 
     def through(self, times: Floats, inlets: int) -> Floats:
         """Flows (t, i) at times of a wave, s, through inlets, closed ones last, mL/s."""
@@ -181,8 +183,8 @@ def _check_inlets(inlets: tuple[Inflow, ...], mean: float) -> None:
         )
 
 
-def _together(inlets: tuple[Inflow, ...]) -> Wave:
-    """The wave of all inlets, at the steps of the finest."""
+def _together(inlets: tuple[Inflow, ...]) -> tuple[tuple[Inflow, ...], Wave]:
+    """Inlets whose rows lie on the same steps, and the wave of all of them."""
     waves = [one.wave for one in inlets if one.wave is not None]
     cycle = waves[0].cycle
     other = next((one.cycle for one in waves if not math.isclose(one.cycle, cycle)), None)
@@ -191,10 +193,11 @@ def _together(inlets: tuple[Inflow, ...]) -> Wave:
             f"inlets: expected waves of one length, got {cycle:.4g} and {other:.4g} s; bring them "
             "to the same."
         )
-    steps = max(one.steps for one in waves)
-    times = np.arange(steps + 1) * cycle / steps
-    flow = np.sum([one.at(times) for one in inlets], axis=0)
-    return Wave(tuple(times.tolist()), tuple(flow.tolist()))
+    waves, times = on_common_steps(waves)
+    moved = iter(waves)
+    found = tuple(one if one.wave is None else replace(one, wave=next(moved)) for one in inlets)
+    flow = np.sum([one.at(times) for one in found], axis=0)
+    return found, Wave(tuple(times.tolist()), tuple(flow.tolist()))
 
 
 def _check_pressures(inlet: float | None, wedge: float | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -126,6 +127,21 @@ def _check(time: Floats, flow: Floats) -> None:
         )
 
 
+def on_common_steps(waves: Sequence[Wave]) -> tuple[list[Wave], Floats]:
+    """Waves of one cycle whose rows lie on the same even steps, and the times of all rows, s.
+
+    Where no steps meet the rows of all, these are moved as those of one wave are.
+    """
+    cycle, found = waves[0].cycle, list(waves)
+    every = np.concatenate([one.time for one in found])
+    steps = _steps(every)
+    if steps is None:
+        each = (_moved(np.array(one.time), np.array(one.flow)) for one in found)
+        found, steps = [Wave(tuple(t.tolist()), tuple(q.tolist())) for t, q in each], USUAL
+        every = np.concatenate([one.time for one in found])
+    return found, np.unique(np.rint(every / cycle * steps)) * cycle / steps
+
+
 def closes(flow: Floats) -> bool:
     """Whether the last flow of a wave (n,) may repeat the first."""
     return bool(abs(flow[-1] - flow[0]) <= CLOSED * np.ptp(flow))
@@ -136,7 +152,10 @@ def _mean(time: Floats, flow: Floats) -> float:
 
 
 def _steps(time: Floats) -> int | None:
-    """The fewest even steps, from `STEPS` to `MOST`, of which one is at every time (n,) from 0."""
+    """The fewest even steps, from `STEPS` to `MOST`, of which one is at every time (n,) from 0.
+
+    The last one is that of the cycle.
+    """
     for first in range(STEPS, MOST + 1, STEPS):
         counts = np.arange(first, min(first + STEPS, MOST + 1))
         at = np.outer(counts, time / time[-1])

@@ -8,6 +8,7 @@ from .segment import Segment as Segment
 from .segment import closed_segment as closed_segment
 from .segment_faces import HOLE as HOLE
 from .segment_faces import SegmentFace as SegmentFace
+from .segment_faces import with_inlets as with_inlets
 from .segment_planes import SegmentEnds as SegmentEnds
 from .segment_planes import segment_ends as segment_ends
 from .side_branches import OpenBranch as OpenBranch

@@ -40,6 +40,8 @@ class SegmentFace(NamedTuple):
     """(3,) of its area, mm."""
     normal: Floats
     """(3,) mean of its unit normals, outward; of a flat face a unit vector."""
+    said: str = ""
+    """What tells it from others of its kind, such as the vessel that ends there."""
 
 
 HOLE = "hole"
@@ -77,26 +79,39 @@ def segment_faces(
         )
         kind: Kind = "wall" if number not in caps else "inlet" if number == inlet else "outlet"
         label = "closed" if number in closed else HOLE if number in holes else kind
-        found.append((label, said, face._replace(kind=kind)))
+        found.append((label, face._replace(kind=kind, said=said)))
     found.sort(key=lambda one: ("inlet", "outlet", "wall", "closed", HOLE).index(one[0]))
-    return tuple(
-        face._replace(name=name) for name, (_, _, face) in zip(_short(found), found, strict=True)
-    )
+    return _named(found)
 
 
-def _short(faces: Sequence[tuple[str, str, SegmentFace]]) -> list[str]:
-    """Names of faces: what only one of them is needs no more words."""
-    labels = Counter(label for label, _, _ in faces)
+def with_inlets(faces: Sequence[SegmentFace], names: Sequence[str]) -> tuple[SegmentFace, ...]:
+    """The same faces, of whose ends some are inlets, first and by these names; others are outlets.
+
+    The first inlet is called `inlet`, and others after their vessels.
+    """
+    walls = [face for face in faces if face.kind == "wall"]
+    ends = [face for face in faces if face.kind != "wall"]
+    ends.sort(key=lambda one: names.index(one.name) if one.name in names else len(names))
+    labels = ["inlet", *(len(names) - 1) * ["other inlet"]]
+    labels += (len(ends) - len(names)) * ["outlet"]
+    told = _named(list(zip(labels, ends, strict=True)))
+    kinds: list[Kind] = ["outlet" if label == "outlet" else "inlet" for label in labels]
+    return (*(one._replace(kind=kind) for one, kind in zip(told, kinds, strict=True)), *walls)
+
+
+def _named(faces: Sequence[tuple[str, SegmentFace]]) -> tuple[SegmentFace, ...]:
+    """Faces by labels, with names: what only one of them is needs no more words."""
+    labels = Counter(label for label, _ in faces)
     taken: Counter[str] = Counter()
     names = []
-    for label, said, _ in faces:
-        name = label if labels[label] == 1 else f"{label} {said}"
+    for label, face in faces:
+        name = label if labels[label] == 1 else f"{label} {face.said}"
         name = _NO_LETTERS.sub("_", name).strip("_")[:LONGEST]
         # Names of files: some systems do not tell large letters from small ones.
         taken[name.casefold()] += 1
         count = taken[name.casefold()]
         names.append(name if count == 1 else f"{name}_{count}")
-    return names
+    return tuple(face._replace(name=name) for name, (_, face) in zip(names, faces, strict=True))
 
 
 def _inlet(

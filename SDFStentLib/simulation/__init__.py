@@ -1,7 +1,8 @@
 """Flow in three dimensions, before a stent and after it: meshed here, solved elsewhere, read."""
 
 from .conditions import Conditions as Conditions
-from .conditions import Outlet as Outlet
+from .conditions import Cycle as Cycle
+from .conditions import End as End
 from .folder import DOCUMENT as DOCUMENT
 from .folder import FILES as FILES
 from .folder import Origin as Origin

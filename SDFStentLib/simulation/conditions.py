@@ -1,8 +1,8 @@
-"""What flows through the ends of a segment: from the network of the whole tree."""
+"""What is set at the ends of a segment: from the network of the whole tree."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -13,14 +13,11 @@ from ..flow import (
     PER_ML,
     Channel,
     FlowAnswer,
-    Network,
-    Outlets,
     State,
-    Wave,
     Ways,
     drop_over,
     lost_to,
-    steady,
+    steady_states,
 )
 from ..segment import Segment, SegmentFace
 from ..validation import Floats, InputError
@@ -31,13 +28,12 @@ CGS_RESISTANCE = 1e-5
 LEAST_RESISTANCE = 1e-3
 """dyn s/cm^5, where the tree beyond an outlet costs nothing."""
 
-
 CGS_PRESSURE = 10.0
 """dyn/cm^2 in one Pa."""
 
 
-class Outlet(NamedTuple):
-    """What is set at an outlet."""
+class End(NamedTuple):
+    """What is set at an end of a segment."""
 
     name: str
     """Of the face."""
@@ -45,46 +41,125 @@ class Outlet(NamedTuple):
     value: float
     """dyn s/cm^5, mL/s out of the vessel, or dyn/cm^2."""
     flow: float
-    """That the network has there, mL/s."""
+    """That the network has there, out of the vessel, the mean, mL/s."""
 
 
-class _Solved(NamedTuple):
-    """Steady states of a network, and the share of time (t,) of each."""
+class Cycle(NamedTuple):
+    """Flow through the ends of a segment over a wave."""
 
-    states: list[State]
-    weights: Floats
-
-    def mean(self, values: Sequence[float]) -> float:
-        """Of values of the states."""
-        return float(self.weights @ np.array(values))
+    time: Floats
+    """(t,) s, from 0 to the begin of the next cycle."""
+    flow: Floats
+    """(e, t) out of the vessel, mL/s; the last one is the first."""
+    steps: int
+    """Even ones, on which all these times lie."""
 
 
 class Conditions(NamedTuple):
     """At the ends of a segment in one state of its vessel."""
 
-    inflow: float
-    """mL/s, the mean."""
-    wave: Wave | None
-    """Through the inlet."""
-    outlets: tuple[Outlet, ...]
-    """Those with a negative flow are inlets, too."""
+    ends: tuple[End, ...]
+    """The first is that which is called the inlet, and its flow is known."""
+    cycle: Cycle | None = None
+    """Of a wave; None for steady flow."""
     wedge: float = 0.0
     """Pressure beyond the tree, dyn/cm^2, above which outlets resist; 0 where it is not known."""
 
     @property
-    def entering(self) -> float:
-        """mL/s through all inlets, the mean."""
-        return self.inflow - sum(one.flow for one in self.outlets if one.flow < 0)
+    def most(self) -> float:
+        """mL/s that come in at all inlets together, or run back there, at the peak."""
+        into = [number for number, one in enumerate(self.ends) if one.flow < 0]
+        if self.cycle is None:
+            return -sum(self.ends[number].flow for number in into)
+        return float(np.abs(self.cycle.flow[into]).sum(axis=0).max())
 
     @property
     def distal(self) -> float:
         """What the solver takes beyond the outlets of a wave, which have a place for it."""
-        return 0.0 if self.wave is None else self.wedge
+        return 0.0 if self.cycle is None else self.wedge
 
     @property
     def offset(self) -> float:
         """By how much pressures are above those that the solver has, dyn/cm^2."""
         return self.wedge - self.distal
+
+
+class EndFlows:
+    """What flows through the ends of segments, by the network of a vessel in one state.
+
+    Parameters
+    ----------
+    answer : FlowAnswer
+    number : int
+        Of the state: 0 before, 1 after.
+    channels : sequence of Channel
+        Of the vessel before.
+    """
+
+    def __init__(self, answer: FlowAnswer, number: int, channels: Sequence[Channel]) -> None:
+        self._known, self._outlets, self._ways = answer.known, answer.outlets, Ways(channels)
+        self._network = answer.networks[number]
+        flows, self._weights = self._known.spread(len(self._network.tree.inlets))
+        self._states = self._solved(flows)
+
+    def _solved(self, flows: Floats) -> list[State]:
+        return steady_states([(self._network, self._outlets, PER_ML * one) for one in flows])
+
+    def _mean(self, values: Sequence[float]) -> float:
+        """Of values of the states."""
+        return float(self._weights @ np.array(values))
+
+    def out_of(self, segment: Segment) -> dict[str, float]:
+        """Flow out of a segment through each of its ends, by name, the mean, mL/s."""
+        return {
+            face.name: self._mean(self._through(face, self._states)) for face in ends_of(segment)
+        }
+
+    def over_cycle(self, segment: Segment, means: Mapping[str, float]) -> Cycle | None:
+        """The same over a wave, at its rows.
+
+        One wave of all inlets has the same shape at every end; where inlets have waves of their
+        own, each moment is taken as steady flow.
+        """
+        wave = self._known.wave
+        if wave is None:
+            return None
+        time = np.array(wave.time)
+        if not self._known.is_uneven:
+            inflow = -next(iter(means.values())) or wave.mean
+            flow = inflow / wave.mean * np.array(wave.flow)
+            each = np.array([one / inflow * flow for one in means.values()])
+            return Cycle(time, each, wave.steps)
+        states = self._solved(self._known.through(time, len(self._network.tree.inlets)))
+        each = np.array([self._through(face, states) for face in ends_of(segment)])
+        each[:, -1] = each[:, 0]
+        return Cycle(time, each, wave.steps)
+
+    def _through(self, face: SegmentFace, states: Sequence[State]) -> list[float]:
+        """Out of a segment at one of its ends in some states, mL/s."""
+        last = self._ways.pieces_to(face.center)[-1]
+        sign = 1 if float(self._ways.direction_at(last) @ face.normal) >= 0 else -1
+        return [sign * float(state.flow[last.block]) / PER_ML for state in states]
+
+    def beyond(self, face: SegmentFace) -> float:
+        """Resistance of all that lies beyond an end, dyn s/cm^5: of the mean pressure there."""
+        network, pieces = self._network, self._ways.pieces_to(face.center)
+        static = []
+        for state in self._states:
+            total = state.inlet - drop_over(pieces, network, state.flow).recovered
+            # The way may begin at another inlet than the first one.
+            if pieces[0].block != network.tree.inlets[0]:
+                total -= float(lost_to(network, state.flow)[pieces[0].block])
+            speed = float(state.flow[pieces[-1].block]) / (1e-6 * face.area)
+            static.append(total - ADULT.density / 2 * speed**2)
+        flow = self._mean(self._through(face, self._states)) * PER_ML
+        resistance = CGS_RESISTANCE * (self._mean(static) - self._outlets.pressure) / flow
+        return max(resistance, LEAST_RESISTANCE)
+
+
+def ends_of(segment: Segment) -> list[SegmentFace]:
+    """Its inlets and outlets."""
+    return [face for face in segment.faces if face.kind != "wall"]
 
 
 def conditions_of(
@@ -94,7 +169,8 @@ def conditions_of(
 
     With known pressures an outlet resists as all that lies beyond it in the tree does before
     treatment, at pressures above those beyond the tree; this is kept for after. Without, the flows
-    of the network are set at every outlet but the widest, whose pressure is zero.
+    of the network are set at every outlet but the widest, whose pressure is zero. At inlets flow is
+    set, whichever way it runs.
 
     Parameters
     ----------
@@ -103,105 +179,48 @@ def conditions_of(
     channels : sequence of Channel
         Of the vessel before.
     before, after : Segment
-        With ends of the same names.
+        With ends of the same names, of which the first one is an inlet.
+
+    Raises
+    ------
+    InputError
+        No end at which pressure could be set: blood leaves nowhere in one of the states.
     """
-    if answer.known.is_uneven:
-        raise InputError(
-            "inlets: expected one wave for all of them in 3D, got waves of their own; give flows "
-            "and one wave."
-        )
-    ways = Ways(channels)
-    is_plain = answer.networks[0].tree.is_plain
-
-    def leaving(face: SegmentFace, solved: _Solved) -> float:
-        return _leaving(face, solved, ways, is_plain)
-
-    flows, weights = answer.known.spread()
-    solved = [
-        _Solved([steady(network, answer.outlets, PER_ML * q) for q in flows.tolist()], weights)
-        for network in answer.networks
-    ]
+    flows = [EndFlows(answer, number, channels) for number in (0, 1)]
+    segments = before, after
+    means = [one.out_of(segment) for one, segment in zip(flows, segments, strict=True)]
     resistances: dict[str, float] = {}
     if answer.known.has_pressures:
-        network, outlets = answer.networks[0], answer.outlets
-        resistances = {
-            face.name: _beyond(face, (network, outlets), solved[0], ways)
-            for face in _outlets(before)
-            if leaving(face, solved[0]) > 0
-        }
+        own = [face for face in ends_of(before) if means[0][face.name] > 0]
+        resistances = {face.name: flows[0].beyond(face) for face in own}
+    wedge = PASCAL_PER_MMHG * CGS_PRESSURE * (answer.known.wedge or 0.0)
     first, second = (
-        _of_state(
-            segment,
-            {face.name: leaving(face, one) for face in segment.faces if face.kind != "wall"},
-            resistances,
-            answer,
-        )
-        for segment, one in zip((before, after), solved, strict=True)
+        Conditions(_ends(segment, mean, resistances), one.over_cycle(segment, mean), wedge)
+        for segment, one, mean in zip(segments, flows, means, strict=True)
     )
     return first, second
 
 
-def _of_state(
-    segment: Segment,
-    flows: dict[str, float],
-    resistances: dict[str, float],
-    answer: FlowAnswer,
-) -> Conditions:
-    """By what leaves through the ends, mL/s."""
-    (inlet,) = (face for face in segment.faces if face.kind == "inlet")
-    inflow = -flows[inlet.name]
-    if inflow <= 0 or max(flows.values()) <= 0:
+def _ends(
+    segment: Segment, means: Mapping[str, float], resistances: Mapping[str, float]
+) -> tuple[End, ...]:
+    """By what leaves through the ends, mL/s, and resists beyond them."""
+    _, *others = ends_of(segment)
+    areas = {face.name: face.area for face in others if means[face.name] > 0}
+    if resistances:
+        areas = {name: area for name, area in areas.items() if name in resistances}
+    if not areas:
         raise InputError(
-            f"segment: expected blood to come in at its proximal end, got {-inflow:.3g} mL/s that "
-            "leave there; take an end of the vessel that is an inlet for its root",
-            "root",
-            end=".",
+            "segment: expected an end at which blood leaves before treatment and after it, got "
+            "none; name other ends of the segment."
         )
-    wave = answer.known.wave
-    found = []
-    widest = max(
-        (face for face in _outlets(segment) if flows[face.name] > 0), key=lambda face: face.area
-    )
-    for face in _outlets(segment):
-        flow = flows[face.name]
-        # Another inlet, or one that has become one.
-        if flow <= 0:
-            found.append(Outlet(face.name, "flow", flow, flow))
-        elif face.name in resistances:
-            found.append(Outlet(face.name, "resistance", resistances[face.name], flow))
-        elif face.name == widest.name:
-            found.append(Outlet(face.name, "pressure", 0.0, flow))
-        else:
-            found.append(Outlet(face.name, "flow", flow, flow))
-    wedge = PASCAL_PER_MMHG * CGS_PRESSURE * (answer.known.wedge or 0.0)
-    return Conditions(inflow, None if wave is None else wave.scaled(inflow), tuple(found), wedge)
+    widest = max(areas, key=lambda name: areas[name])
 
+    def end(name: str, flow: float) -> End:
+        if name in areas and resistances:
+            return End(name, "resistance", resistances[name], flow)
+        if name == widest:
+            return End(name, "pressure", 0.0, flow)
+        return End(name, "flow", flow, flow)
 
-def _outlets(segment: Segment) -> list[SegmentFace]:
-    return [face for face in segment.faces if face.kind == "outlet"]
-
-
-def _beyond(face: SegmentFace, tree: tuple[Network, Outlets], solved: _Solved, ways: Ways) -> float:
-    """Resistance of all that lies beyond a face, dyn s/cm^5: of the mean pressure there."""
-    network, outlets = tree
-    pieces = ways.pieces_to(face.center)
-    flow = solved.mean([state.flow[pieces[-1].block] for state in solved.states])
-    static = []
-    for state in solved.states:
-        total = state.inlet - drop_over(pieces, network, state.flow).recovered
-        # The way may begin at another inlet than the first one.
-        if pieces[0].block != network.tree.inlets[0]:
-            total -= float(lost_to(network, state.flow)[pieces[0].block])
-        speed = float(state.flow[pieces[-1].block]) / (1e-6 * face.area)
-        static.append(total - ADULT.density / 2 * speed**2)
-    resistance = CGS_RESISTANCE * (solved.mean(static) - outlets.pressure) / flow
-    return max(resistance, LEAST_RESISTANCE)
-
-
-def _leaving(face: SegmentFace, solved: _Solved, ways: Ways, is_plain: bool) -> float:
-    """What flows out of a segment there, the mean, mL/s."""
-    last = ways.pieces_to(face.center)[-1]
-    flow = solved.mean([state.flow[last.block] for state in solved.states]) / PER_ML
-    if is_plain:
-        return -flow if face.kind == "inlet" else flow
-    return flow if float(ways.direction_at(last) @ face.normal) >= 0 else -flow
+    return tuple(end(name, flow) for name, flow in means.items())

@@ -197,7 +197,7 @@ def _document(prepared: Prepared, origin: Origin) -> dict[str, Any]:
             name: {size: CASES[name, size] for size in state.meshes}
             for name, state in prepared.states.items()
         },
-        "is_wave": first.conditions.wave is not None,
+        "is_wave": first.conditions.cycle is not None,
         "level_mmhg": prepared.level,
         "main_outlet": prepared.main_outlet,
         "way_mm": Line(prepared.way).resampled(SPACING).points.tolist(),
@@ -208,10 +208,10 @@ def _document(prepared: Prepared, origin: Origin) -> dict[str, Any]:
 
 
 def _state(state: State) -> dict[str, Any]:
-    conditions = state.conditions
+    inlet, *others = state.conditions.ends
     return {
-        "inflow_ml_s": conditions.inflow,
-        "outlets": [outlet._asdict() for outlet in conditions.outlets],
+        "inflow_ml_s": -inlet.flow,
+        "outlets": [end._asdict() for end in others],
         "walls": sorted(face.name for face in state.segment.faces if face.kind == "wall"),
         "throat_mm": 2 * state.throat.radius,
         "meshes": {

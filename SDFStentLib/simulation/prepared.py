@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..cautions import Caution
+from ..centerline import Centerline
 from ..files import VolumeMesh
 from ..flow import PASCAL_PER_MMHG, FlowModel, Moment, Part, Solve
-from ..geometry import Line, state_of
-from ..segment import Segment, SegmentFace
+from ..geometry import Line, norm, state_of
+from ..segment import Segment, SegmentFace, with_inlets
 from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
-from ..validation import DeploymentError, Floats, Points, as_place
+from ..validation import DeploymentError, Floats, InputError, Points, as_place
 from ..vessel import vessel_parts
-from .conditions import CGS_PRESSURE, Conditions, conditions_of
+from .conditions import CGS_PRESSURE, Conditions, EndFlows, conditions_of, ends_of
 from .ends import SPACING, FlowEnds, ends_beyond, extended
 from .mmg import check_mmg
 from .remesh import Axis, Remeshed, Wishes, axis_of, edge_sizes, edges_around, remeshed
@@ -146,11 +148,12 @@ def prepare(
     tell(0.05, "the segment")
     branches = SegmentWishes(cut.close_branches, not cut.close_branches, units=cut.units)
     found = extract_segment(before, ends.start, ends.end, branches, after=after)
-    assert found.after is not None
-    way = tree.path(*tree.ends_of_path(ends.start, ends.end)).points
-    main = _at(found.before, way[-1], "outlet")
-    segments, extensions, warnings = _with_extensions(found, ends, main)
     channels = before.followed.after(tree, after.surface)
+    way = tree.path(*tree.ends_of_path(ends.start, ends.end)).points
+    means = EndFlows(model.answer(), 0, model.channels).out_of(found.before)
+    found, way, main = _along_flow(found, tree, way, means)
+    assert found.after is not None
+    segments, extensions, warnings = _with_extensions(found, ends)
     answer = model.answer(channels, [Part("the segment", way)], solve)
     moments = (answer.before, answer.after or {})
     told = {name: _told(one["mean"]) for name, one in zip(STATES, moments, strict=True)}
@@ -165,7 +168,7 @@ def prepare(
         states[name] = _meshed(plan)
     offset = conditions[0].offset / (CGS_PRESSURE * PASCAL_PER_MMHG)
     level = offset if model.known.has_pressures else None
-    return Prepared(states, way, main.name, told, level, extensions, (*found.warnings, *warnings))
+    return Prepared(states, way, main, told, level, extensions, (*found.warnings, *warnings))
 
 
 def _ends(vessels: tuple[Vessel, Vessel], cut: Cut) -> FlowEnds:
@@ -187,14 +190,55 @@ def _told(moment: Moment) -> dict[str, tuple[float, float, float]]:
     return told if moment.inlet is None else {**told, "inlet": (*moment.inlet,)}
 
 
+def _along_flow(
+    found: ExtractedSegment, tree: Centerline, way: Points, means: Mapping[str, float]
+) -> tuple[ExtractedSegment, Points, str]:
+    """A segment whose inlets are where blood comes in, the way from the first one, and its end.
+
+    `means` flow out of the ends before treatment, mL/s. The way is that between the two ends; where
+    blood does not come in at its begin and leave at its end, it is that from an inlet to an outlet
+    which has the most in common with it.
+    """
+    coming, leaving = ([n for n in means if sign * means[n] > 0] for sign in (-1, 1))
+    if not coming:
+        raise InputError(
+            "segment: expected blood to come in at one of its ends, got ends at which nothing "
+            "flows; name other ends of the segment, or the inlets of the vessel."
+        )
+    places = {face.name: face.center for face in ends_of(found.before)}
+    start, end = (_at(found.before, place).name for place in way[[0, -1]])
+    places |= {start: way[0], end: way[-1]}
+
+    def between(first: str, last: str) -> Points:
+        return tree.path(*tree.ends_of_path(places[first], places[last])).points
+
+    def merits(pair: tuple[str, str]) -> tuple[float, float]:
+        own = set(map(tuple, between(*pair).tolist()))
+        inside = np.array([tuple(point) in own for point in way.tolist()])
+        shared = norm(np.diff(way, axis=0))[inside[1:] & inside[:-1]].sum()
+        return round(float(shared), 6), means[pair[1]] - means[pair[0]]
+
+    first, last = start, end
+    if start not in coming or end not in leaving:
+        first, last = max(((a, b) for a in coming for b in leaving), key=merits)
+        way = between(first, last)
+    inlets = sorted(coming, key=lambda name: name != first)
+    before, after = (
+        replace(one, faces=with_inlets(one.faces, inlets))
+        for one in (found.before, found.after)
+        if one is not None
+    )
+    return replace(found, before=before, after=after), way, _at(before, way[-1]).name
+
+
 def _with_extensions(
-    found: ExtractedSegment, ends: FlowEnds, main: SegmentFace
+    found: ExtractedSegment, ends: FlowEnds
 ) -> tuple[tuple[Segment, Segment], dict[str, float], list[Caution]]:
     """Both states, with as much tube at both ends as vessel is missing there."""
     assert found.after is not None
     segments, made, warnings = (found.before, found.after), dict[str, float](), []
-    inlet = _at(found.before, ends.start, "inlet")
-    for face, by in ((inlet, ends.missing[0]), (main, ends.missing[1])):
+    for place, by in zip((ends.start, ends.end), ends.missing, strict=True):
+        face = _at(found.before, place)
         if by < np.sqrt(face.area / np.pi) / 2:
             continue
         longer = [extended(segment, face.name, by) for segment in segments]
@@ -206,10 +250,9 @@ def _with_extensions(
     return segments, made, warnings
 
 
-def _at(segment: Segment, place: Points, kind: str) -> SegmentFace:
-    """The end of a kind that is nearest to a place."""
-    ends = [face for face in segment.faces if face.kind == kind]
-    return min(ends, key=lambda face: float(np.linalg.norm(face.center - place)))
+def _at(segment: Segment, place: Points) -> SegmentFace:
+    """The end that is nearest to a place."""
+    return min(ends_of(segment), key=lambda face: float(np.linalg.norm(face.center - place)))
 
 
 class _Planned(NamedTuple):

@@ -52,7 +52,7 @@ class CaseResult(NamedTuple):
 
     mean: Found
     peak: Found | None
-    """At the frame with the most flow; None for steady flow."""
+    """At the frame with the most flow through all inlets; None for steady flow."""
     spread: float
     """Of the inlet pressure over the frames, as a part of it."""
 
@@ -102,11 +102,12 @@ class Case:
                 "run.sh in the folder above, and look at solver.log where it ended early."
             )
         frames = [self._frame(path) for path in files]
-        inlets = [frame.faces["inlet"] for frame in frames]
-        pressures = np.array([one.pressure for one in inlets])
+        mean, pressures = _mean(frames), np.array([one.faces["inlet"].pressure for one in frames])
         scale = max(abs(float(pressures.mean())), 1e-9)
-        peak = frames[int(np.argmin([one.flow for one in inlets]))] if is_wave else None
-        return CaseResult(_mean(frames), peak, float(np.ptp(pressures)) / scale)
+        inlets = [name for name, face in mean.faces.items() if face.flow < 0]
+        out = [sum(frame.faces[name].flow for name in inlets) for frame in frames]
+        peak = frames[int(np.argmin(out))] if is_wave else None
+        return CaseResult(mean, peak, float(np.ptp(pressures)) / scale)
 
     def _frame(self, path: Path) -> Found:
         volume, arrays = read_volume(path)

@@ -13,9 +13,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..flow import ADULT, Wave
-from ..validation import InputError
-from .conditions import Conditions, Outlet
+from ..flow import ADULT
+from ..validation import Floats, InputError
+from .conditions import Conditions, End
 
 RESULTS = "results"
 """Folder of what the solver writes, and the first part of its names."""
@@ -44,6 +44,9 @@ CYCLES, CYCLE_FRAMES, MODES = 3, 20, 16
 
 MODES_WITHIN = 0.01
 """Share of the range of a wave, within which its harmonics meet its rows."""
+
+STEADY_WITHIN = 1e-6
+"""Share of the flow: what varies by less at an end is steady there."""
 
 RC_TIME, PROXIMAL = 0.75, 0.1
 """Of a wave, whose outlets have compliance: resistance times compliance of the lungs, s, the same
@@ -108,16 +111,14 @@ def time_steps(conditions: Conditions, edge: float, radius: float, volume: float
 
 
 def _time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> Steps:
-    wave = conditions.wave
-    most = conditions.inflow if wave is None else max(map(abs, wave.flow))
-    flow = 1000 * most * (conditions.entering / conditions.inflow)
+    cycle, flow = conditions.cycle, 1000 * conditions.most
     fastest = 2 * flow / (math.pi * radius**2)
     length = COURANT * edge / fastest
-    if wave is not None:
-        period = wave.time[-1]
-        every = math.ceil(max(period / length, wave.steps) / CYCLE_FRAMES)
-        cycle = every * CYCLE_FRAMES
-        return Steps(period / cycle, CYCLES * cycle, 0.0, every, (CYCLES - 1) * cycle + 1, 0)
+    if cycle is not None:
+        period = float(cycle.time[-1])
+        every = math.ceil(max(period / length, cycle.steps) / CYCLE_FRAMES)
+        steps = every * CYCLE_FRAMES
+        return Steps(period / steps, CYCLES * steps, 0.0, every, (CYCLES - 1) * steps + 1, 0)
     through = volume / flow
     every = max(math.ceil(WINDOW * through / length / FRAMES), LEAST_BETWEEN)
     windows = math.ceil(LONGEST / WINDOW)
@@ -127,23 +128,20 @@ def _time_steps(conditions: Conditions, edge: float, radius: float, volume: floa
 
 def solver_files(conditions: Conditions, steps: Steps) -> dict[str, str]:
     """`solver.xml` and the files of flow that it names, by name."""
-    texts = {"inlet.flow": _flow_file(conditions, steps)}
-    bounds = [_flow_bound("inlet", "inlet.flow", steps)]
-    for outlet in conditions.outlets:
-        if outlet.kind == "flow":
-            share = outlet.value / conditions.inflow
-            texts[f"{outlet.name}.flow"] = _flow_file(conditions, steps, share)
-            bounds.append(_flow_bound(outlet.name, f"{outlet.name}.flow", steps))
+    texts, bounds = {}, []
+    for number, end in enumerate(conditions.ends):
+        if end.kind == "flow":
+            texts[f"{end.name}.flow"] = _flow_file(conditions, number, steps)
+            bounds.append(_flow_bound(end.name, f"{end.name}.flow", steps))
             continue
-        if outlet.kind == "resistance" and conditions.wave is not None:
-            values = {"RCR_values": _windkessel(outlet, conditions.distal)}
-            bounds.append(_bound(outlet.name, "Neu", "RCR", values))
+        if end.kind == "resistance" and conditions.cycle is not None:
+            values = {"RCR_values": _windkessel(end, conditions.distal)}
+            bounds.append(_bound(end.name, "Neu", "RCR", values))
             continue
-        kind = "Resistance" if outlet.kind == "resistance" else "Steady"
-        bounds.append(_bound(outlet.name, "Neu", kind, {"Value": outlet.value}))
+        kind = "Resistance" if end.kind == "resistance" else "Steady"
+        bounds.append(_bound(end.name, "Neu", kind, {"Value": end.value}))
     bounds.append(_bound("wall", "Dir", "Steady", {"Value": 0.0}))
-    faces = ["inlet", *(outlet.name for outlet in conditions.outlets)]
-    files = {name: f"mesh/mesh-surfaces/{name}.vtp" for name in faces}
+    files = {one.name: f"mesh/mesh-surfaces/{one.name}.vtp" for one in conditions.ends}
     document = {
         "@version": "0.1",
         "GeneralSimulationParameters": _general(steps),
@@ -211,7 +209,7 @@ def _equation(bounds: list[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _windkessel(outlet: Outlet, pressure: float) -> dict[str, float]:
+def _windkessel(outlet: End, pressure: float) -> dict[str, float]:
     """Of the same mean pressure as the resistance above a distal one, at which it begins."""
     distal = (1 - PROXIMAL) * outlet.value
     return {
@@ -237,22 +235,33 @@ def _flow_bound(name: str, file: str, steps: Steps) -> dict[str, Any]:
     return _bound(name, "Dir", "Unsteady", more)
 
 
-def _flow_file(conditions: Conditions, steps: Steps, share: float = -1.0) -> str:
-    """Rows of time and flow; into the vessel is negative there."""
-    if conditions.wave is None:
-        return f"2 1\n0.0 0.0\n{steps.ramp!r} {share * conditions.inflow!r}\n"
-    wave = conditions.wave
-    rows = [f"{t!r} {share * q!r}" for t, q in zip(wave.time, wave.flow, strict=True)]
-    return "\n".join([f"{len(rows)} {harmonics_of(wave)}", *rows, ""])
+def _flow_file(conditions: Conditions, number: int, steps: Steps) -> str:
+    """Rows of time and flow through an end; into the vessel is negative there."""
+    cycle = conditions.cycle
+    if cycle is None:
+        return f"2 1\n0.0 0.0\n{steps.ramp!r} {conditions.ends[number].value!r}\n"
+    flow = cycle.flow[number]
+    count = harmonics_of(cycle.time, flow, STEADY_WITHIN * conditions.most)
+    rows = [f"{t!r} {q!r}" for t, q in zip(cycle.time.tolist(), flow.tolist(), strict=True)]
+    return "\n".join([f"{len(rows)} {count}", *rows, ""])
 
 
-def harmonics_of(wave: Wave) -> int:
-    """How many of a wave the solver takes to meet its rows, the mean among them."""
-    at, flow = np.array(wave.time) / wave.cycle, np.array(wave.flow)
-    slopes, found, count = np.diff(flow) / np.diff(at), np.full(len(at), wave.mean), 1
-    more = MODES
+def harmonics_of(time: Floats, flow: Floats, least: float) -> int:
+    """How many of a wave the solver takes to meet its rows, the mean among them.
+
+    Parameters
+    ----------
+    time, flow : (t,) arrays
+        From 0; the last flow is the first.
+    least : float
+        By how much they may be missed at any rate.
+    """
+    at, steps = time / time[-1], np.diff(time) / time[-1]
+    slopes, count, more = np.diff(flow) / steps, 1, MODES
+    found = np.full(len(at), (flow[1:] + flow[:-1]) @ steps / 2)
+    within = max(MODES_WITHIN * np.ptp(flow), least)
     # Ends: a line without jumps is the sum of its harmonics.
-    while np.abs(found - flow).max() > MODES_WITHIN * np.ptp(flow) or count < MODES:
+    while np.abs(found - flow).max() > within or count < MODES:
         turns = 2 * np.pi * np.arange(count, more)
         turned = np.exp(-1j * turns[:, None] * at)
         parts = np.diff(turned, axis=1) @ slopes / turns**2
