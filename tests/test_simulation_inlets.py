@@ -1,4 +1,4 @@
-"""`sdfstent simulate` where blood comes in at several ends, or elsewhere than at the proximal one."""
+"""`sdfstent simulate` where blood comes in at several ends, or not at the proximal one."""
 
 from xml.etree import ElementTree
 

@@ -99,7 +99,7 @@ class Known:
     def __post_init__(self) -> None:
         check_parameters(self)
         _check_inlets(self.inlets, self.mean)
-        if self.is_uneven:
+        if any(one.wave is not None for one in self.inlets):
             inlets, whole = _together(self.inlets)
             object.__setattr__(self, "inlets", inlets)
             object.__setattr__(self, "wave", whole)
@@ -126,8 +126,9 @@ class Known:
 
     @property
     def is_uneven(self) -> bool:
-        """Whether inlets have waves of their own; `wave` is that of all together then."""
-        return any(one.wave is not None for one in self.inlets)
+        """Whether several inlets have waves of their own; `wave` is that of all together then."""
+        flowing = [one for one in self.inlets if one.mean]
+        return len(flowing) > 1 and any(one.wave is not None for one in flowing)
 
     def spread(self, inlets: int = 1) -> tuple[Floats, Floats]:
         """Flows (t,), mL/s, with weights (t,), that tell means: one, or those of a wave.
