@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from .plan import save_plan as save_plan
     from .report import before_after_picture as before_after_picture
     from .report import plan_report as plan_report
+    from .report import stent_rows as stent_rows
     from .report import write_report as write_report
     from .stent import AlongAxis as AlongAxis
     from .stent import AtCenter as AtCenter
@@ -66,7 +67,7 @@ _CONTENTS = {
     "geometry": "Precision Surface",
     "lumen": "diameter_profile",
     "plan": "Plan compare load_plan run_plan save_plan",
-    "report": "before_after_picture plan_report write_report",
+    "report": "before_after_picture plan_report stent_rows write_report",
     "stent": "AlongAxis AtCenter AtDistalEnd AtProximalEnd BetweenPoints Device Stent stent_axis",
     "treatment": "Treatment",
     "validation": "DeploymentError InputError",

@@ -348,7 +348,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     assert len(told) <= 8
     twice = re.compile("Minimum lumen.*Minimum lumen", re.DOTALL)
     playwright.expect(a_visit.named("lumenLabel")).to_have_text(twice)
-    assert a_visit.text("lumenLabel").count("Minimum lumen") == 2
+    assert a_visit.text("lumenLabel").count("Minimum lumen diameter") == 2
     assert "certificate" not in a_visit.text("statusLabel")
     assert a_visit.page.locator(".screen").bounding_box() == screen  # the view stays as it was
     lines = a_visit.page.locator(".results svg path")

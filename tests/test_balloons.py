@@ -17,7 +17,7 @@ from tube_files import deploy
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
-from SDFStentLib.report.branches import stent_branch_sentences
+from SDFStentLib.report import stent_facts, stent_lines
 from SDFStentLib.stent import (
     AtCenter,
     AtDistalEnd,
@@ -114,8 +114,8 @@ def test_a_stent_that_is_dilated_again_lies_in_the_vessel_once():
     # Its first size, 3 mm narrower than the lumen by now, is told as free nowhere.
     assert first.apposition is None
     assert second.apposition.free_length == 0
-    assert np.isnan(first.to_dict()["free_length_mm"])
-    assert stent_branch_sentences(first)[-1] == (
+    assert np.isnan(stent_facts(first, None).columns()["free_length_mm"])
+    assert stent_lines(first, ())[-2] == (
         "It is dilated again as stent 2, and lies in the vessel as that."
     )
 

@@ -33,7 +33,7 @@ def test_the_first_line_says_both_lengths_and_why(a_folder, capsys, more, first)
     assert capsys.readouterr().out.startswith(f"Deployed: stent of 6 x {first}")
     stent = json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"][0]
     page = Path("r.html").read_text(encoding="utf-8")
-    assert ("(packed 20.0 mm, " in page) == (stent["foreshortening_fraction"] > 0)
+    assert ("(20 mm as packed, " in page) == (stent["foreshortening_fraction"] > 0)
     assert stent["foreshortening_reason"] in page
 
 

@@ -85,7 +85,7 @@ def test_every_door_has_the_minimum_of_measure(a_rough_folder, shell):
     assert report["stents"][0]["lesions"][0] == 1
     assert f"{told} mm" in (folder / "r.html").read_text(encoding="utf-8")
     run = shell("deploy", *place, "-o", "out.vtp", "--verbose", folder=folder)
-    assert f"narrowest {told} mm" in run.stdout
+    assert f"Minimum lumen diameter: {told} ->" in run.stdout
     (folder / "again.json").write_text((folder / "plan.json").read_text(encoding="utf-8"), "utf-8")
     shell("compare", "plan.json", "again.json", "-o", "both", folder=folder)
     (page,) = folder.glob("both/*.html")

@@ -23,7 +23,7 @@ from SDFStentLib.plan import (
     run_plan,
     to_document,
 )
-from SDFStentLib.report import device_sentence, planned_device_sentences
+from SDFStentLib.report import device_sentence, device_sentences
 from SDFStentLib.stent import AlongAxis, AtCenter, Balloon, BetweenPoints, Device, Stent, stent_axis
 from SDFStentLib.validation import InputError
 
@@ -213,7 +213,7 @@ def test_sizes_beyond_what_is_known_of_a_device_are_said():
 )  # fmt: skip
 def test_only_what_a_row_has_is_told_as_of_its_source(name, size, words):
     stent = Stent(12.0, placement=CENTER, device=device_named(name), **size)
-    (told,) = planned_device_sentences(stent)
+    (told,) = device_sentences(stent)
     assert words in told
 
 

@@ -18,7 +18,6 @@ from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_li
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
-from SDFStentLib.report.html import html_page
 from SDFStentLib.stent import AtDistalEnd, Stent, stent_axis
 from SDFStentLib.treatment import placement_at
 from SDFStentLib.vessel import find_lesions, lesions_within
@@ -178,7 +177,10 @@ def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path,
     )
     assert "Lesion 1 is not wholly covered: " in " ".join(report["warnings"])
     assert report["lesions"][0]["is_left_beyond"]
-    assert "What is left is narrowest beyond the stent's ends." in unescape(html_page(report))
+    page = ["-o", tmp_path / "o.vtp", "--report", tmp_path / "page.html", "--quiet"]
+    said_of(["deploy", *pulmonary, *place, *page], capsys)
+    told = unescape((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert "What is left is narrowest beyond the stent's ends." in told
     treated = read_surface(tmp_path / "out.vtp", units="cm")
     lesion, stent = report["lesions"][0], report["stents"][0]
     path = np.array(lesion["path_mm"])

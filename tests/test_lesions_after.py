@@ -16,12 +16,8 @@ from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import inscribed_spheres, measured_at, moved_wall
 from SDFStentLib.phantoms import stenosed_tube, straight_tube, vascular_tree
-from SDFStentLib.report import document_json, residual_fact, summary
-from SDFStentLib.report.lesions import (
-    residual_section,
-    stent_lesion_sentences,
-    treated_lesion_section,
-)
+from SDFStentLib.report import document_json, residual_facts, summary
+from SDFStentLib.report.lesions import stent_lesion_sentences, treated_lesion_facts
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Residual, TreatedLesion, Treatment, residual_of, treated_lesions
 from SDFStentLib.vessel import (
@@ -94,7 +90,7 @@ def test_every_statement_says_that_it_is_not_known(tube):
     assert math.isnan(treated.after.percent_diameter)
     assert treated.stents == (1,)
     other = TreatedLesion(2, lesion, replace(lesion, percent_diameter=20.0), (1,))
-    section = json.loads(document_json(treated_lesion_section(treated)))["after"]
+    section = json.loads(document_json(treated_lesion_facts(treated).as_dict()))["after"]
     assert section["percent_diameter"] is None
     assert section["minimum"]["diameter_mm"] is None
     (sentence,) = stent_lesion_sentences([treated], 1)
@@ -103,8 +99,9 @@ def test_every_statement_says_that_it_is_not_known(tube):
     # The narrowest place left may be the one that is not known.
     residual = residual_of([other, treated], placed)
     assert math.isnan(residual.percent)
-    assert residual_fact(residual).words.startswith("not known, as in lesion 1, within stent 1")
-    assert json.loads(document_json(residual_section(residual)))["minimum_mm"] is None
+    section = residual_facts(residual).as_dict()
+    assert section["words"].startswith("not known, as in lesion 1, within stent 1")
+    assert json.loads(document_json(section))["minimum_mm"] is None
 
 
 def test_a_neighbor_whose_way_is_outside_of_the_lumen_has_no_diameter(tube):

@@ -14,7 +14,8 @@ from SDFStentLib.lumen import extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.report.branches import branch_section, stent_branch_sentences
+from SDFStentLib.report import stent_lines
+from SDFStentLib.report.branches import branch_facts
 from SDFStentLib.stent import AlongAxis, Stent
 from SDFStentLib.treatment import Treatment, branches_beside
 from SDFStentLib.vessel import find_ostia
@@ -126,5 +127,5 @@ def test_the_treatment_and_its_report_have_the_same_words():
     assert branch.ostium.name.startswith(SAC)
     assert branch.ostium.sentence().startswith("Aneurysm with a neck of ")
     assert "side branch" not in " ".join(map(str, result.warnings)).lower()
-    assert branch_section(branch.ostium, None)["name"] == branch.ostium.name
-    assert branch.ostium.sentence() in stent_branch_sentences(result.stents[0])
+    assert branch_facts(1, branch.ostium, None).value("name") == branch.ostium.name
+    assert branch.ostium.sentence() in stent_lines(result.stents[0], None)

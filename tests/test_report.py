@@ -8,7 +8,7 @@ import math
 import re
 from base64 import b64decode
 from copy import deepcopy
-from dataclasses import fields
+from dataclasses import fields, replace
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
@@ -22,11 +22,21 @@ from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import polydata_from_arrays
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, run_plan, treatment_of
-from SDFStentLib.report import Report, document_json, plan_report, write_report, write_report_figure
+from SDFStentLib.report import (
+    Report,
+    document_json,
+    plan_report,
+    stent_facts,
+    write_report,
+    write_report_figure,
+)
 from SDFStentLib.report.changes import setting_rows
 from SDFStentLib.report.html import html_page
+from SDFStentLib.report.lesions import treated_lesion_facts
 from SDFStentLib.report.picture.drawing import Stroke
 from SDFStentLib.report.picture.plot import diameter_plot, figure
+from SDFStentLib.report.stents import PLACEMENTS, _bend_words
+from SDFStentLib.report.words import plain_text, point_words
 from SDFStentLib.stent import AtCenter, InputFile, Placement, Stent
 from SDFStentLib.validation import DeploymentError, InputError, Points, Triangles
 
@@ -50,6 +60,19 @@ def the_document(result):
 def document(the_document):
     """To be changed."""
     return deepcopy(the_document)
+
+
+@pytest.fixture
+def sections(result):
+    """Of which the page is made; to be changed."""
+    return dict(plan_report(result).sections)
+
+
+def told_of(result, *, number=1, lesions=None, **changes):
+    """The facts of the stent, had it been another one."""
+    (treated,) = result.told.stents
+    stent = replace(treated.stent, **changes)
+    return stent_facts(replace(treated, stent=stent, number=number), lesions, "cm")
 
 
 class PageReader(HTMLParser):
@@ -80,7 +103,7 @@ class PageReader(HTMLParser):
 # The document
 
 
-def test_the_document_holds_lumen_and_lesions_before_and_after(document, result):
+def test_the_document_holds_lumen_and_lesions_before_and_after(document, result, sections):
     assert (document["schema"], document["schema_version"]) == ("sdfstent-report", 1)
     assert document["notice"] == "Research use only, not a medical device."
     (stent,), (lesion,) = result.treatment.stents, document["lesions"]
@@ -104,22 +127,24 @@ def test_the_document_holds_lumen_and_lesions_before_and_after(document, result)
     assert lesion["percent_diameter"] == pytest.approx(40, abs=1)
     assert np.multiply(lesion["place"], 10) == pytest.approx(lesion["place_mm"])
     assert document["stents"][0]["lesions"] == [1]
-    text = PageReader(html_page(document)).text
+    text = PageReader(html_page(sections)).text
     assert re.search(r"Lesion 1, diameter stenosis40 %none \(\d+ % above reference\)", text)
     assert f"Lesion 1 against {lesion['reference']['words']}." in text
 
 
 @pytest.mark.parametrize(
-    ("changes", "covered", "words", "table"),
+    ("count", "words", "table"),
     [
-        ({}, [], "This stent covers no lesion of 15 % or more.", True),
-        ({"lesions": []}, [], "No lesion of 15 % or more was found.", True),
-        ({"lesions": None}, None, "Lesions were not looked for", False),
+        (1, "This stent covers no lesion of 15 % or more.", True),
+        (0, "No lesion of 15 % or more was found.", True),
+        (None, "Lesions were not looked for", False),
     ],
 )
-def test_a_stent_without_a_lesion_has_no_percentage(document, changes, covered, words, table):
-    document["stents"][0]["lesions"] = covered
-    page = html_page(document | changes)
+def test_a_stent_without_a_lesion_has_no_percentage(result, sections, count, words, table):
+    found = None if count is None else [replace(one, stents=()) for one in result.lesions[:count]]
+    sections["stents"] = [told_of(result, lesions=found)]
+    sections["lesions"] = found and [treated_lesion_facts(one) for one in found]
+    page = html_page(sections)
     assert words in PageReader(page).text
     assert "Diameter stenosis" not in page
     assert ("Lesions of the vessel" in page) == table
@@ -153,10 +178,10 @@ def in_order(text, *words):
     return places == sorted(places)
 
 
-def test_a_failed_certificate_and_the_warnings_stand_before_every_table(document):
+def test_a_failed_certificate_and_the_warnings_stand_before_every_table(sections):
     failed = {"passed": False, "sentence": "Not certified: the surface folds."}
     told = {"warnings": ["The stent was shortened."], "certificate": failed}
-    page = html_page(document | told)
+    page = html_page(sections | told)
     assert in_order(
         page,
         "Research use only",
@@ -166,9 +191,9 @@ def test_a_failed_certificate_and_the_warnings_stand_before_every_table(document
         "<svg",
     )
     assert page.count("Not certified") == 1
-    passed = html_page(document | {"warnings": told["warnings"]})
+    passed = html_page(sections | {"warnings": told["warnings"]})
     assert in_order(passed, "<p class='warn'>", "<p class='good'>Surface", "<table")
-    assert "was not checked" in html_page(document | {"certificate": None})
+    assert "was not checked" in html_page(sections | {"certificate": None})
 
 
 def rows_of(page):
@@ -177,12 +202,8 @@ def rows_of(page):
     return dict(re.findall(r"<tr><td>([^<]*)</td><td>([^<]*)</td></tr>", planned))
 
 
-def test_a_planned_stent_reads_in_words_units_and_percent(document):
-    document["stents"][0]["moved_points"] = 4917
-    document["stents"][0]["axis"] |= {
-        **{"start_mm": [29.62, -64.4, 63.49], "min_bend_radius_mm": 32.0, "chord_mm": 21.65}
-    }
-    rows = rows_of(html_page(document))
+def test_a_planned_stent_reads_in_words_units_and_percent(sections):
+    rows = rows_of(html_page(sections))
     expected = {
         "Prescribed lumen diameter": "6.5 mm",
         "Nominal length": "20.0 mm",
@@ -190,34 +211,37 @@ def test_a_planned_stent_reads_in_words_units_and_percent(document):
         "Foreshortening on expansion": "10 % of nominal length, the usual share, assumed without "
         "a device",
         "Placed": "by its middle",
-        "Proximal end (x, y, z)": "29.6, \N{MINUS SIGN}64.4, 63.5 mm; "
-        "in the file 2.96, \N{MINUS SIGN}6.44, 6.35 cm",
-        "Straight distance of its ends": "21.6 mm",
-        "Tightest bend of its axis": "radius 32.0 mm, of the circle through three points of the "
-        "axis that are 3.2 mm apart (the stent radius)",
-        "Surface points that it moved": "4\N{THIN SPACE}917",
+        "Proximal end (x, y, z)": "0.0, 0.0, 11.0 mm; in the file 0.00, 0.00, 1.10 cm",
+        "Straight distance of its ends": "18.0 mm",
+        "Tightest bend of its axis": "none, the axis is straight",
     }
     assert {name: rows.get(name) for name in expected} == expected
     for raw in ("AtCenter", "fraction", "min bend", "moved points", "_"):
         assert raw not in "".join([*rows, *rows.values()])
 
 
-@pytest.mark.parametrize("placement", [kind.__name__ for kind in Placement.__args__])
-def test_every_placement_has_words(document, placement):
-    document["stents"][0]["placement"] = placement
-    page = html_page(document)
-    assert placement not in page
-    assert "<td>Placed</td>" in page
+def test_numbers_of_a_planned_stent_read_in_words():
+    assert _bend_words(32.0, 6.5, 18.0) == (
+        "radius 32.0 mm, of the circle through three points of the axis that are 3.2 mm apart "
+        "(the stent radius)"
+    )
+    assert point_words((29.62, -64.4, 63.49), "cm") == (
+        "29.6, \N{MINUS SIGN}64.4, 63.5 mm; in the file 2.96, \N{MINUS SIGN}6.44, 6.35 cm"
+    )
+    assert plain_text("", 4917) == "4\N{THIN SPACE}917"
 
 
-def test_headings_name_the_stent_and_its_number_in_the_plan(document):
-    (first,) = document["stents"]
-    second = {**first, "number": 2}
+def test_every_placement_has_words():
+    assert set(PLACEMENTS) == {kind.__name__ for kind in Placement.__args__}
+
+
+def test_headings_name_the_stent_and_its_number_in_the_plan(result, sections):
+    first, second = told_of(result), told_of(result, number=2)
 
     def headings(*stents):
-        return re.findall(r"<h2>(Stent[^<]*)</h2>", html_page(document | {"stents": stents}))
+        return re.findall(r"<h2>(Stent[^<]*)</h2>", html_page(sections | {"stents": stents}))
 
-    assert headings(first, {**second, "name": ""}) == [
+    assert headings(first, told_of(result, number=2, name="")) == [
         "Stent 1 of 2: main &lt;3, lumen before and after",
         "Stent 2 of 2, lumen before and after",
         "Stent 1 of 2: main &lt;3, as planned",
@@ -227,9 +251,9 @@ def test_headings_name_the_stent_and_its_number_in_the_plan(document):
     assert headings(second)[1] == "Stent 2 of the plan: main &lt;3, as planned"
 
 
-def test_the_page_is_well_formed_loads_nothing_escapes_names_and_tells_files_in_words(document):
-    document["inputs"][0] |= {"file": "a & b.vtp", "sha256": "0f", "triangles": 12000}
-    page = html_page(document)
+def test_the_page_is_well_formed_loads_nothing_escapes_names_and_tells_files_in_words(sections):
+    sections["inputs"][0] |= {"file": "a & b.vtp", "sha256": "0f", "triangles": 12000}
+    page = html_page(sections)
     reader = PageReader(page)
     assert reader.loads == reader.open == []
     assert "<h3>Surface</h3>" in page
@@ -263,7 +287,7 @@ def test_the_curves_of_the_plot_are_the_measured_diameters(document):
     assert slope < 0, "larger diameters are drawn higher"
 
 
-def test_a_curve_is_interrupted_where_nothing_was_measured(document):
+def test_a_curve_is_interrupted_where_nothing_was_measured(document, result, sections):
     diameters = document["stents"][0]["diameters"]
     whole = [len(line) for line in curves_of(diameters)]
     diameters["along"]["mis_before_mm"][8] = None
@@ -271,21 +295,28 @@ def test_a_curve_is_interrupted_where_nothing_was_measured(document):
     assert broken == [*whole[:2], 8, whole[2] - 9, *whole[3:]]
     for key in CURVES:
         diameters["along"][f"{key}_mm"] = [None] * len(diameters["along"]["arc_length_mm"])
-    statistics = dict.fromkeys(diameters["over_stented_length"]["before"])
-    diameters["over_stented_length"] |= {"before": statistics}
-    text = PageReader(html_page(document)).text
-    assert "No diameter could be measured." in text
-    assert "not known" in text
+    assert diameter_plot(diameters) is None
+    (treated,) = result.told.stents
+    lost = {
+        name: replace(
+            getattr(treated, name),
+            inscribed_diameter=getattr(treated, name).inscribed_diameter * math.nan,
+            equivalent_diameter=getattr(treated, name).equivalent_diameter * math.nan,
+            known=None,
+        )
+        for name in ("before", "after", "around_before", "around_after")
+    }
+    sections["stents"] = [stent_facts(replace(treated, **lost), ())]
+    text = PageReader(html_page(sections)).text
+    assert "Smallest to largestnot knownnot known" in text
 
 
 # The figure and the picture
 
 
 def test_the_figure_is_the_same_drawing_in_both_formats(tmp_path, result):
-    sections = plan_report(result).sections
-    (stent,) = sections["stents"]
-    stents = [{**stent, "name": "main <3\x1b\ud800"}, {**stent, "number": 2}]
-    two = Report({**sections, "stents": stents})
+    stents = [told_of(result, name="main <3\x1b\ud800"), told_of(result, number=2)]
+    two = Report({**plan_report(result).sections, "stents": stents})
     write_report_figure(two, tmp_path / "f.SVG")
     texts = [t.text for t in ElementTree.fromstring((tmp_path / "f.SVG").read_text("utf-8")).iter()]
     assert r"Stent 1 of 2: main <3\x1b\ud800" in texts
@@ -302,8 +333,8 @@ def test_the_figure_is_the_same_drawing_in_both_formats(tmp_path, result):
     assert size == [2 * drawing.width, 2 * drawing.height]
 
 
-def test_the_clinicians_part_comes_first_and_what_is_to_be_checked_last(document):
-    page = html_page(document | {"warnings": ["Shortened."]}, b"\x89PNG\r\n\x1a\n")
+def test_the_clinicians_part_comes_first_and_what_is_to_be_checked_last(sections):
+    page = html_page(sections | {"warnings": ["Shortened."]}, b"\x89PNG\r\n\x1a\n")
     assert in_order(
         page,
         "<h2>Warnings",
@@ -311,7 +342,7 @@ def test_the_clinicians_part_comes_first_and_what_is_to_be_checked_last(document
         "<img",
         "<h2>Lesions of the vessel",
         "lumen before and after</h2>",
-        "Stent of 6.5 mm x 18.0 mm (packed 20.0 mm, 10 % shorter once expanded: the usual share, ",
+        "Stent of 6.5 x 18.0 mm (20 mm as packed, 10 % shorter once expanded: the usual share, ",
         "placed by its middle.",
         "<svg",
         "<div class='details'>",
@@ -324,15 +355,14 @@ def test_the_clinicians_part_comes_first_and_what_is_to_be_checked_last(document
     assert re.search(r"\.details\{break-before:page\}", page)
 
 
-def test_a_diameter_is_told_to_the_hundredth_where_it_was_set_so(document):
+def test_a_diameter_is_told_to_the_hundredth_where_it_was_set_so(result, sections):
     """Else one page said 6.2 mm in two places and 6.25 mm in a third."""
-    stent = document["stents"][0] | {"lumen_diameter_mm": 6.25}
-    page = html_page(document | {"stents": [stent]})
-    assert "Stent of 6.25 mm x 18.0 mm" in page
+    page = html_page(sections | {"stents": [told_of(result, diameter=6.25)]})
+    assert "Stent of 6.25 x 18.0 mm" in page
     assert "<td>Prescribed lumen diameter</td><td>6.25 mm</td>" in page
 
 
-def test_the_page_holds_the_picture_or_says_why_there_is_none(tmp_path, result, document):
+def test_the_page_holds_the_picture_or_says_why_there_is_none(tmp_path, result, sections):
     png = b"\x89PNG\r\n" + bytes(range(256))
     write_report(plan_report(result, picture=png), tmp_path / "r.html")
     page = (tmp_path / "r.html").read_text("utf-8")
@@ -340,10 +370,10 @@ def test_the_page_holds_the_picture_or_says_why_there_is_none(tmp_path, result, 
     (data,) = re.findall(r"src='data:image/png;base64,([^']*)'", page)
     assert b64decode(data, validate=True) == png
     assert in_order(page, "Surface certified", "<img", "<table")
-    without = html_page(document, "No <OpenGL>.")
+    without = html_page(sections, "No <OpenGL>.")
     assert PageReader(without).loads == []
     assert "no picture of the vessel. No <OpenGL>." in PageReader(without).text
-    assert "picture" not in html_page(document)
+    assert "picture" not in html_page(sections)
 
 
 # What a report tells of the run's settings, of the surface's triangles, and of coordinates.
@@ -391,11 +421,12 @@ def test_the_report_tells_how_triangles_were_changed(in_cm: PlanResult) -> None:
 
 
 def test_the_page_tells_coordinates_in_mm_and_as_the_file_has_them(in_cm: PlanResult) -> None:
-    document = plan_report(in_cm).as_dict()
+    report = plan_report(in_cm)
+    document = report.as_dict()
     axis = document["stents"][0]["axis"]
     for end in ("start", "end"):
         np.testing.assert_allclose(np.multiply(axis[end], 10), axis[f"{end}_mm"])
-    page = html.unescape(html_page(document))
+    page = html.unescape(html_page(report.sections))
     for label, name in (("Proximal", "start"), ("Distal", "end")):
         (told,) = re.findall(rf"<td>{label} end [^<]*</td><td>([^<]*)</td>", page)
         numbers = [
@@ -411,7 +442,7 @@ def test_the_page_tells_coordinates_in_mm_and_as_the_file_has_them(in_cm: PlanRe
 
 
 def test_every_parameter_of_the_method_is_told_lengths_in_mm(in_cm: PlanResult) -> None:
-    document = plan_report(in_cm).as_dict()
+    document = plan_report(in_cm).sections
     rows = dict(setting_rows(document["settings"]))
     assert rows["Tissue gap"] == "0.5 mm"
     assert rows["Step"] == "chosen by the rule"

@@ -6,7 +6,7 @@ import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import device_table
-from SDFStentLib.report import balloon_sentences, planned_device_sentences, ratio_sentence
+from SDFStentLib.report import balloon_sentences, device_sentences, ratio_sentence
 from SDFStentLib.stent import KEPT, USUAL_RECOIL
 from SDFStentLib.validation import InputError, printable
 
@@ -113,7 +113,7 @@ class DeviceSection:
         except InputError:
             sentences = []  # the line below Deploy says why
         else:
-            sentences = [*planned_device_sentences(planned), *self._compared(planned)]
+            sentences = [*device_sentences(planned), *self._compared(planned)]
         self.ui.deviceLabel.text = printable("\n".join(sentences))
         self.ui.deviceLabel.visible = bool(sentences)
 

@@ -10,22 +10,16 @@ from SDFStentLib.certificate import NOT_CERTIFIED
 from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.report import (
     WARNING,
-    contact_fact,
-    coverage_fact,
     flow_moments,
     flow_section,
-    lumen_fact,
     measured_lines,
     measuring_lines,
     previewed_lines,
     previewed_tiles,
     ratio_sentence,
-    residual_fact,
+    residual_facts,
     result_tiles,
-    stent_balloon_sentences,
-    stent_device_sentences,
-    stent_lesion_sentences,
-    stent_ratio_sentences,
+    stent_lines,
     stents_in,
 )
 from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautions, stent_ratios
@@ -159,7 +153,7 @@ def showSummary(parameterNode, run):
     """What there is to say of every stent, and of the flow where that is known."""
     summaries = [stentSummary(treated, run.lesions) for treated in run.result.stents]
     left = residual_of(run.lesions or (), run.result.stents)
-    headline = [] if left is None else [str(residual_fact(left))]
+    headline = [] if left is None else [str(residual_facts(left).named("words"))]
     parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *_flowParagraphs(run)])
     showAtHand(parameterNode, run)
     tiles = result_tiles(
@@ -205,53 +199,16 @@ def showFlow(parameterNode, run):
 
 
 def stentSummary(treated, lesions):
-    """What a clinician reads first about one stent, a line per quantity."""
-    before, after, planned = treated.before, treated.after, treated.stent
-    return "\n".join(
-        (
-            _("{name}, {diameter:.1f} mm").format(
-                name=one_line(planned.name), diameter=planned.diameter
-            ),
-            _arrowed(lumen_fact(before, after)),
-            _(
-                "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed} prescribed)"
-            ).format(before=_spread(before), after=_spread(after), prescribed=_prescribed(treated)),
-            *stent_device_sentences(treated),
-            *stent_balloon_sentences(treated, lesions),
-            *stent_ratio_sentences(treated, lesions),
-            *lesionLines(lesions, treated.number),
-            *branchLines(treated),
-        )
+    """What there is to say of one stent, a line per quantity, with true arrows."""
+    title = _("{name}, {diameter:.1f} mm").format(
+        name=one_line(treated.stent.name), diameter=treated.stent.diameter
     )
-
-
-def lesionLines(lesions, number):
-    """The degree of the lesions that a stent covers, before and after, against the vessel's own healthy lumen."""
-    return [_arrowed(one) for one in stent_lesion_sentences(lesions, number)]
-
-
-def _arrowed(told):
-    """A sentence or fact of the library with true arrows."""
-    return str(told).replace("->", "\N{RIGHTWARDS ARROW}")
-
-
-def branchLines(treated):
-    """The branches near a stent: which are free, and how much of the others it covers; then where it hangs free."""
-    lines = [str(coverage_fact(branch)) for branch in treated.branches]
-    # None of one that is dilated again: it lies there as that.
-    if treated.apposition is not None and treated.apposition.free_length > 0:
-        lines.append(str(contact_fact(treated.apposition)))
-    return lines
+    told = stent_lines(treated, lesions)
+    return "\n".join([title, *(line.replace("->", "\N{RIGHTWARDS ARROW}") for line in told)])
 
 
 def _number(value):
     return f"{value:.1f}" if np.isfinite(value) else _("not known")
-
-
-def _spread(profile):
-    if not np.isfinite(profile.mean):
-        return _("not known")
-    return f"{profile.mean:.1f} \N{PLUS-MINUS SIGN} {profile.sd:.1f}"
 
 
 def followSelection(parameterNode, run):
@@ -273,14 +230,6 @@ def selectedStent(parameterNode, run):
     while run.places[number + 1 : number + 2] == [run.places[number]]:
         number += 1
     return number
-
-
-def _prescribed(treated):
-    """The prescribed diameter, or the smallest and the largest one, mm."""
-    profile = treated.axis.profile
-    if profile is None:
-        return f"{treated.stent.diameter:.1f}"
-    return _("{low:.1f} to {high:.1f}").format(low=profile.diameters.min(), high=profile.widest)
 
 
 def _title(treated, number):

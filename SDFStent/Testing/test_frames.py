@@ -38,7 +38,7 @@ def test_what_nobody_waits_for_ends_before_the_full_method_begins(host, aStent):
     assert not session.isRunning
     isOver.set()
     settle(host, aStent)
-    assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
+    assert "prescribed 9 mm" in aStent.ui.lumenLabel.text
 
 
 def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, monkeypatch):

@@ -138,7 +138,7 @@ def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
         chart.GetNthPlotSeriesNode(i).GetYColumnName()
         for i in range(chart.GetNumberOfPlotSeriesNodes())
     ] == ["Before (mm)", "After (mm)", "Prescribed (mm)"]
-    assert "8.5 prescribed" in theParameters.lumenSummary
+    assert "prescribed 8.5 mm" in theParameters.lumenSummary
     assert "watertight" in theParameters.certificateSummary
 
 

@@ -112,7 +112,8 @@ def test_dragging_the_handle_redeploys_and_ends_with_the_final_place(host, aSten
         host.process(0.01)
     settle(host, aStent)
     shown = pointsOf(parameters.outputVessel)
-    assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text  # the full method came after the preview
+    # The full method came after the preview.
+    assert "prescribed 8.5 mm" in aStent.ui.lumenLabel.text
     np.testing.assert_array_equal(shown, logic.deploy(parameters).points.astype(np.float32))
 
 
@@ -195,7 +196,7 @@ def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent, knownResults
     host.processUntil(lambda: before.issuperset(threading.enumerate()))
     assert aStent.ui.lumenLabel.text == "Not measured yet."
     deploy(host, aStent)
-    assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
+    assert "prescribed 8.5 mm" in aStent.ui.lumenLabel.text
 
 
 def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):
@@ -216,7 +217,7 @@ def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):
     assert all(begun)  # previews only
     aStent.ui.diameterSlider.value = 9.0
     settle(host, aStent)
-    assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
+    assert "prescribed 9 mm" in aStent.ui.lumenLabel.text
 
 
 def test_the_only_vessel_and_centerline_are_chosen_when_the_module_is_entered(

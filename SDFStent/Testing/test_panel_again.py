@@ -64,7 +64,7 @@ def test_a_stent_is_dilated_again_after_another_one(host, twoStents):
     np.testing.assert_allclose(run.points, expected.points, atol=1e-9)
     assert run.result.certificate.passed
     assert run.result.stents[2].after.minimum == pytest.approx(8.0, abs=0.15)
-    assert twoStents.ui.lumenLabel.text.count("Minimum lumen") == 3
+    assert twoStents.ui.lumenLabel.text.count("Minimum lumen diameter") == 3
 
 
 def test_without_a_stent_above_it_nothing_is_dilated_again_and_that_is_said(host, twoStents):

@@ -38,7 +38,7 @@ def test_a_waist_narrows_the_lumen_where_it_was_narrowest(host, theSection):
     assert treated.after.minimum == pytest.approx(6.0, abs=0.15)
     before, after = (p.inscribed_diameter for p in (treated.before, treated.after))
     assert abs(int(np.nanargmin(before)) - int(np.nanargmin(after))) <= 1
-    assert "(6.0 to 8.5 prescribed)" in ui.lumenLabel.text
+    assert "prescribed 6.00 to 8.50 mm" in ui.lumenLabel.text
     ui.waistPositionSpinBox.value = 25.0
     ui.waistLengthSpinBox.value = 4.0
     assert planned(theSection).shape.waist == Waist(6.0, 0.25, 4.0)
@@ -61,7 +61,7 @@ def test_ends_are_wider_or_narrower_than_the_stent(host, theSection):
     diameters = treated.axis.profile.diameters
     assert (diameters[0], diameters[-1]) == (10.0, 7.5)
     assert treated.after.inscribed_diameter[1] > 9.0
-    assert "(7.5 to 10.0 prescribed)" in ui.lumenLabel.text
+    assert "prescribed 7.50 to 10.00 mm" in ui.lumenLabel.text
 
 
 def test_a_profile_from_a_file_takes_the_place_of_waist_and_ends(host, theSection, tmp_path):

@@ -119,7 +119,7 @@ def test_the_full_method_begins_unseen_before_a_hand_is_taken_to_have_stopped(
     isHeld = False
     settle(host, aStent)
     assert told == [True]  # from the full method to the first preview: nothing flickers in between
-    assert "(9.5 prescribed)" in ui.lumenLabel.text
+    assert "prescribed 9.5 mm" in ui.lumenLabel.text
     assert not session.isPreview
 
 

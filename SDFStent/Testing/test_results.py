@@ -23,13 +23,13 @@ def test_results_are_marked_while_the_plan_is_another_one(host, aStent):
     assert not isMarked(aStent)
     aStent.ui.diameterSlider.value = 7.0
     assert isMarked(aStent)
-    assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
+    assert "prescribed 8.5 mm" in aStent.ui.lumenLabel.text
     aStent.ui.diameterSlider.value = 8.5  # as deployed
     assert not isMarked(aStent)
     aStent.ui.diameterSlider.value = 7.0
     deploy(host, aStent)
     assert not isMarked(aStent)
-    assert "(7.0 prescribed)" in aStent.ui.lumenLabel.text
+    assert "prescribed 7 mm" in aStent.ui.lumenLabel.text
 
 
 def test_auto_update_marks_nothing_that_it_is_about_to_renew(host, aStent):

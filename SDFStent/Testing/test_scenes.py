@@ -190,7 +190,7 @@ def test_the_panel_works_on_in_a_scene_that_was_closed(host, aStent, tmp_path, a
             aStent.ui.autoUpdateCheckBox.checked = True
             aStent.ui.diameterSlider.value = diameter
             settle(host, aStent)
-            assert f"({diameter} prescribed)" in aStent.ui.lumenLabel.text
+            assert f"prescribed {diameter:g} mm" in aStent.ui.lumenLabel.text
         assert host.errors() == []
         if not turn:
             assert aScene.WriteToMRB(str(path))

@@ -10,13 +10,14 @@ from ..cautions import Caution
 from ..files import SurfaceFile, check_same_space
 from ..plan import InputFiles, read_input_files
 from ..report import (
+    Facts,
     MeasuredLine,
     diameter_section,
     diameter_table,
     document_json,
     filed_point,
+    lesion_facts,
     lesion_list,
-    lesion_section,
     lesion_sentences,
     lesions_by_size,
     lesions_csv,
@@ -165,10 +166,10 @@ def _document(
     units, vessel = inputs.surface.units, inputs.vessel
     large, small = lesions_by_size(vessel.lesions or (), smallest)
 
-    def sections(numbers: list[int]) -> list[dict[str, Any]] | None:
+    def sections(numbers: list[int]) -> list[Facts] | None:
         if vessel.lesions is None:
             return None
-        return [lesion_section(n, vessel.lesions[n - 1], units) for n in numbers]
+        return [lesion_facts(n, vessel.lesions[n - 1], units) for n in numbers]
 
     return {
         "schema": "sdfstent-diameters",

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from ..cautions import reason_of
 from ..flow import OTHERS, FlowAnswer
 from ..plan import InputFiles, Plan, PlanResult, plan_text, read_plan_inputs, treatment_of
-from ..report import plan_report
+from ..report import plan_report, stent_rows
 from ..validation import DeploymentError, InputError
 from ..version import VERSION
 from .axes import label
@@ -166,7 +166,7 @@ def _known(task: Task, status: str, reason: str, result: PlanResult | None) -> d
 def _rows(result: PlanResult) -> list[dict[str, Any]]:
     """A row per stent, with the flow where the plan knows of it."""
     told = {"warnings": len(result.warnings) + len(result.size_warnings)}
-    rows = [_row(row) | told for row in result.told.to_dict()]
+    rows = [_row(row) | told for row in stent_rows(result.told)]
     if result.flow is None:
         return rows
     return [row | _row(_flow(result.flow, row["stent"])) for row in rows]

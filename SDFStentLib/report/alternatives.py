@@ -6,16 +6,21 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from .branches import NONE_NEAR, again_words, branch_lumen_words, stretch_sentence, stretches_of
+from .branches import (
+    ALL_ROUND,
+    CONTACT,
+    NONE_NEAR,
+    again_words,
+    stretch_sentence,
+    stretches_of,
+)
 from .changes import stretch_words
-from .devices import device_words
-from .facts import ALL_ROUND, BEYOND, CONTACT, LEFT, MINIMUM
+from .facts import COMPARED, Facts
 from .flow import flow_rows, stents_in
 from .html import certificate_sentence
-from .lesions import NO_LESION, NOT_LOOKED_FOR, left_note
-from .sizing import DIAMETERS
-from .stents import stent_titles, stent_words
-from .words import degree_text, degrees_text, millimeters
+from .lesions import LEFT, NO_LESION, NOT_LOOKED_FOR
+from .stents import stent_titles
+from .words import degrees_text
 
 Section = Mapping[str, Any]
 Lines = tuple[str, ...]
@@ -39,21 +44,20 @@ class Row(NamedTuple):
 
 
 def comparison_rows(alternatives: Sequence[Section]) -> list[Row]:
-    """The table of a comparison document: a row per thing to compare, a cell per alternative."""
-    documents = [one["report"] for one in alternatives]
+    """The table of a comparison: a row per thing to compare, a cell per alternative."""
+    reports = [one["report"] for one in alternatives]
+    documents = [None if one is None else one.sections for one in reports]
     rows = [
         _verdicts(alternatives),
         _of_each("Warnings", documents, lambda document: tuple(document["warnings"])),
         _of_each("Stents", documents, _stents),
         _of_each(LEFT, documents, _left_in_vessel),
         *_lesions(documents),
-        _per_stent(MINIMUM, documents, partial(_change, "")),
-        _per_stent(BEYOND, documents, partial(_change, "beyond_")),
+        *_facts(documents, are_changed=True),
         *_branches(documents),
-        _per_stent_of(CONTACT, documents, _contact),
+        _per_stent(CONTACT, documents, _contact),
         _of_each("Pressure and flow", documents, _flow),
-        _per_stent("Device", documents, _device),
-        *(_per_stent(title, documents, partial(_size, key)) for key, title in DIAMETERS.items()),
+        *_facts(documents, are_changed=False),
         _of_each("Stretch of the wall, area after over before", documents, _stretch),
     ]
     return [row for row in rows if not row.is_empty]
@@ -64,7 +68,7 @@ def _verdicts(alternatives: Sequence[Section]) -> Row:
     found = [
         (False, f"Could not be carried out: {one['failure']}")
         if one["report"] is None
-        else certificate_sentence(one["report"]["certificate"])
+        else certificate_sentence(one["report"].sections["certificate"])
         for one in alternatives
     ]
     cells = tuple((sentence,) for _, sentence in found)
@@ -82,15 +86,10 @@ def _of_each(
 
 
 def _per_stent(
-    title: str, documents: Iterable[Section | None], told: Callable[[Section], str]
+    title: str, documents: Iterable[Section | None], told: Callable[[Section, Facts], str]
 ) -> Row:
     """A row with a line for every stent of which there is something to say."""
-    return _per_stent_of(title, documents, lambda _, stent: told(stent))
 
-
-def _per_stent_of(
-    title: str, documents: Iterable[Section | None], told: Callable[[Section, Section], str]
-) -> Row:
     def lines(document: Section) -> Lines:
         stents = document["stents"]
         named = zip(_labels(stents), stents, strict=True)
@@ -99,35 +98,32 @@ def _per_stent_of(
     return _of_each(title, documents, lines)
 
 
-def _labels(stents: Sequence[Section]) -> list[str]:
+def _labels(stents: Sequence[Facts]) -> list[str]:
     """In front of what is said of a stent: its name or number; one stent alone needs none."""
     if len(stents) == 1:
         return [""]
-    return [f"{stent.get('name') or 'Stent {}'.format(stent['number'])}: " for stent in stents]
+    return [f"{one.value('name') or 'Stent {}'.format(one.value('number'))}: " for one in stents]
 
 
 def _stents(document: Section) -> Lines:
     """What they are, under their whole titles."""
     stents = document["stents"]
-    titles = ["" if title == "Stent" else f"{title}. " for title in stent_titles(stents)]
-    return tuple(title + stent_words(one) for title, one in zip(titles, stents, strict=True))
+    titles = stent_titles([one.as_dict() for one in stents])
+    shown = ["" if title == "Stent" else f"{title}. " for title in titles]
+    told = (one.named("_whole").words for one in stents)
+    return tuple(title + words for title, words in zip(shown, told, strict=True))
 
 
-def _device(stent: Section) -> str:
-    device = stent["device"]
-    return "" if device is None else device_words(device)
+def _facts(documents: Sequence[Section | None], *, are_changed: bool) -> list[Row]:
+    """A row for every fact of stents that is told side by side."""
+    stents = [stent for one in documents if one is not None for stent in one["stents"]]
+    found = [fact for stent in stents for fact in stent.at(COMPARED) if fact.label]
+    labels = dict.fromkeys(one.label for one in found if bool(one.was) == are_changed)
+    return [_per_stent(label, documents, partial(_cell, label)) for label in labels]
 
 
-def _size(key: str, stent: Section) -> str:
-    value = stent[key]
-    return "" if value is None else millimeters(value)
-
-
-def _change(prefix: str, stent: Section) -> str:
-    """A lumen after treatment, which is what is compared, and before."""
-    lumen = stent["diameters"]["minimum_lumen"]
-    after, before = (lumen[f"{prefix}{when}_mm"] for when in ("after", "before"))
-    return f"{millimeters(after)} (before {millimeters(before)})"
+def _cell(label: str, _document: Section, stent: Facts) -> str:
+    return next((one.cell for one in stent.at(COMPARED) if one.label == label), "")
 
 
 def _lesions(documents: Sequence[Section | None]) -> list[Row]:
@@ -139,13 +135,14 @@ def _lesions(documents: Sequence[Section | None]) -> list[Row]:
         return [Row("Lesions", NO_LESION, tuple(() for _ in documents))]
     rows, left = [], []
     for place, lesion in enumerate(known[0]):
+        number = lesion.value("number")
         if any(_is_changed(lesions[place]) for lesions in known):
-            note = f"{lesion['branch_name']}; before: {_degrees(lesion)}"
-            title = f"Stenosis left of lesion {lesion['number']}"
-            told = _left_of(place)
-            rows.append(_of_each(title, documents, told, note))
+            percents = (lesion.value(f"percent_{kind}") for kind in ("diameter", "area"))
+            note = f"{lesion.value('branch_name')}; before: {degrees_text(*percents)}"
+            title = f"Stenosis left of lesion {number}"
+            rows.append(_of_each(title, documents, partial(_left_of, place), note))
         else:
-            left.append(f"lesion {lesion['number']} {degree_text(lesion['percent_diameter'])}")
+            left.append(f"lesion {number} {lesion.named('percent_diameter').words}")
     if left:
         cells = tuple(() if one is None else ("as before",) for one in documents)
         rows.append(Row("Other lesions, by diameter", ", ".join(left), cells))
@@ -154,29 +151,18 @@ def _lesions(documents: Sequence[Section | None]) -> list[Row]:
 
 def _left_in_vessel(document: Section) -> Lines:
     left = document["left"]
-    return () if left is None else (left["words"],)
+    return () if left is None else (left.value("words"),)
 
 
-def _left_of(place: int) -> Callable[[Section], Lines]:
-    def told(document: Section) -> Lines:
-        if document["lesions"] is None:
-            return (NOT_LOOKED_FOR,)
-        lesion = document["lesions"][place]
-        is_beyond = bool(lesion["is_left_beyond"] and lesion["stents"])
-        note = left_note(lesion["after"]["percent_diameter"], is_beyond)
-        covered = "" if lesion["stents"] else "; not stented"
-        return (f"{_degrees(lesion['after'])}{covered}.{note}",)
-
-    return told
+def _left_of(place: int, document: Section) -> Lines:
+    lesions = document["lesions"]
+    return (NOT_LOOKED_FOR if lesions is None else lesions[place].named("_left").words,)
 
 
-def _is_changed(lesion: Section) -> bool:
-    same = all(lesion[key] == lesion["after"][key] for key in ("percent_diameter", "percent_area"))
-    return bool(lesion["stents"]) or not same
-
-
-def _degrees(lesion: Section) -> str:
-    return degrees_text(lesion["percent_diameter"], lesion["percent_area"])
+def _is_changed(lesion: Facts) -> bool:
+    keys = ("percent_diameter", "percent_area")
+    same = all(lesion.value(key) == lesion.value(f"after.{key}") for key in keys)
+    return bool(lesion.value("stents")) or not same
 
 
 def _branches(documents: Sequence[Section | None]) -> list[Row]:
@@ -184,29 +170,27 @@ def _branches(documents: Sequence[Section | None]) -> list[Row]:
     near = [branch for one in documents if one is not None for branch in one["branches"]]
     if not near:
         return [_of_each("Branches", documents, lambda _: (NONE_NEAR,))]
-    names = dict.fromkeys(branch["name"] for branch in near)
-    return [_of_each(f"Ostium of {name}", documents, _beside(name)) for name in names]
+    names = dict.fromkeys(branch.value("name") for branch in near)
+    return [_of_each(f"Ostium of {name}", documents, partial(_beside, name)) for name in names]
 
 
-def _beside(name: str) -> Callable[[Section], Lines]:
-    def told(document: Section) -> Lines:
-        stents = document["stents"]
-        labels = dict(zip((one["number"] for one in stents), _labels(stents), strict=True))
-        lines = tuple(
-            f"{labels[one['stent']]}{one['coverage']}; its lumen {branch_lumen_words(one)}"
-            for one in document["branches"]
-            if one["name"] == name
-        )
-        return lines or ("no stent is near",)
-
-    return told
+def _beside(name: str, document: Section) -> Lines:
+    stents = document["stents"]
+    labels = dict(zip((one.value("number") for one in stents), _labels(stents), strict=True))
+    lines = tuple(
+        f"{labels[one.value('stent')]}{one.value('coverage')}; its lumen "
+        f"{one.named('_lumen').words}"
+        for one in document["branches"]
+        if one.value("name") == name
+    )
+    return lines or ("no stent is near",)
 
 
-def _contact(document: Section, stent: Section) -> str:
-    if "dilated_again_as" in stent:
-        return again_words(stent["dilated_again_as"])
-    free = stretches_of(document, stent)
-    return "; ".join(map(stretch_sentence, free)) or ALL_ROUND
+def _contact(document: Section, stent: Facts) -> str:
+    again, number = stent.value("dilated_again_as"), stent.value("number")
+    if again is not None:
+        return again_words(again)
+    return "; ".join(map(stretch_sentence, stretches_of(document, number))) or ALL_ROUND
 
 
 def _stretch(document: Section) -> Lines:

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
 from ..vessel import FREE, LISTED, Apposition, NeighborLumen, Ostium
-from .facts import coverage_fact
+from .facts import LINES, Fact, Facts
 from .markup import Cell, heading, paragraph, table
 from .words import millimeters, number_text
 
+CONTACT, ALL_ROUND = "Contact with the wall", "all round"
 NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
-
-
-def stent_branch_sentences(stent: TreatedStent) -> list[str]:
-    """What a stent does to every branch near it, and where it touches no wall."""
-    branches = [branch.sentence() for branch in stent.branches] or [NONE_NEAR]
-    if stent.apposition is None:
-        return [*branches, f"It is {again_words(stent.again)}, and lies in the vessel as that."]
-    free = stent.apposition.sentence()
-    return [*branches, free] if free else branches
 
 
 def again_words(number: int | None) -> str:
@@ -29,49 +22,89 @@ def again_words(number: int | None) -> str:
     return f"dilated again as stent {number}"
 
 
-def branch_section(
-    branch: Ostium, lumen: NeighborLumen | None, units: str = "mm"
-) -> dict[str, Any]:
-    """One ostium as a report has it, and the branch's lumen where its wall has moved."""
-    covered = coverage_fact(branch)
-    return {
-        "name": branch.name,
-        "ostium_mm": branch.center,
-        "ostium": branch.center / MILLIMETERS[units],
-        "units": units,
-        "ostium_start_mm": branch.start,
-        "ostium_end_mm": branch.end,
-        "percent_covered": covered.value,
-        "coverage": covered.words,
-        "lumen_before_mm": None if lumen is None else lumen.before,
-        "lumen_after_mm": None if lumen is None else lumen.after,
-    }
+def beside_facts(stent: TreatedStent) -> Iterator[Fact]:
+    """What lies beside a stent: of its branches the one that is covered most, and the one that
+    lost most; and the wall that it does not touch."""
+    names, found = [one.name for one in stent.branches], stent.apposition
+    yield Fact(after=math.nan if found is None else found.free_length, column="free_length_mm")
+    yield Fact(after="; ".join(names), column="branches")
+    covered = _largest(100 * one.covered_share for one in stent.branches)
+    yield Fact(after=covered, column="branch_covered_percent")
+    lost = _largest(100 * one.loss for one in stent.neighbors if one.is_branch)
+    yield Fact(after=lost, column="branch_loss_percent")
+    for sentence in [one.sentence() for one in stent.branches] or [NONE_NEAR]:
+        yield Fact(words=sentence, level=LINES)
+    if found is None:
+        words = f"It is {again_words(stent.again)}, and lies in the vessel as that."
+        yield Fact(words=words, level=LINES)
+    elif found.stretches:
+        yield Fact(words=found.sentence(), level=LINES)
 
 
-def branch_table(branches: Sequence[Mapping[str, Any]]) -> list[str]:
+def _largest(values: Iterable[float]) -> float:
+    """Of those that are known."""
+    return float(max(filter(math.isfinite, values), default=math.nan))
+
+
+def contact_words(found: Apposition | None) -> str:
+    """Over which length a stent does not touch the wall all round; "" where it touches."""
+    if found is None or not found.stretches:
+        return ""
+    if found.is_loose:
+        return f"none over all of {found.length:.1f} mm"
+    return f"not {ALL_ROUND} over {found.free_length:.1f} of {found.length:.1f} mm"
+
+
+def branch_facts(
+    number: int, branch: Ostium, lumen: NeighborLumen | None, units: str = "mm"
+) -> Facts:
+    """One ostium beside a stent of that number, and the branch's lumen where its wall has moved."""
+    before, after = (None, None) if lumen is None else (lumen.before, lumen.after)
+    places = (
+        Fact(
+            f"ostium_{end}_mm",
+            name,
+            after=place,
+            words=millimeters(place, 1, signed=True),
+        )
+        for end, name, place in (("start", "ostium from", branch.start), ("end", "to", branch.end))
+    )
+    return Facts(
+        (
+            Fact("stent", "stent", after=number, words=str(number)),
+            Fact("name", "branch", after=branch.name, words=branch.name),
+            Fact("ostium_mm", after=branch.center),
+            Fact("ostium", after=branch.center / MILLIMETERS[units]),
+            Fact("units", after=units),
+            *places,
+            Fact("percent_covered", after=100 * branch.covered_share),
+            Fact("coverage", "ostium", after=branch.coverage, words=branch.coverage),
+            Fact("lumen_{}_mm", before=before, after=after),
+            Fact("_lumen", "its lumen", words=_lumen_words(before, after)),
+        )
+    )
+
+
+def branch_table(branches: Sequence[Facts]) -> list[str]:
     """A part of the page; that no branch is near is said as well."""
     title = heading("Branches")
     if not branches:
         return [title, paragraph(NONE_NEAR)]
     rows = [
-        (
-            str(one["stent"]),
-            one["name"],
-            *(millimeters(one[f"ostium_{end}_mm"], 1, signed=True) for end in ("start", "end")),
-            Cell(one["coverage"], "free" if one["coverage"] == FREE else "covered"),
-            branch_lumen_words(one),
-        )
+        [
+            Cell(words, "free" if words == FREE else "covered") if label == "ostium" else words
+            for label, words in one.rows()
+        ]
         for one in branches
     ]
-    head = ("stent", "branch", "ostium from", "to", "ostium", "its lumen")
+    head = [label for label, _ in branches[0].rows()]
     note = "From the proximal end of the stent along its axis; negative: proximal of it."
     return [title, table(rows, head, ("", "", "n", "n")), paragraph(note, "small")]
 
 
-def branch_lumen_words(branch: Mapping[str, Any]) -> str:
+def _lumen_words(before: float | None, after: float | None) -> str:
     """What became of its lumen."""
-    before, after = branch["lumen_before_mm"], branch["lumen_after_mm"]
-    if before is None or after is None:
+    if before is None or after is None or math.isnan(before) or math.isnan(after):
         return "unchanged or not followed"
     return f"{millimeters(before)} before, {millimeters(after)} after"
 
@@ -87,9 +120,9 @@ def free_stretches(found: Apposition | None) -> Iterator[dict[str, float]]:
         }
 
 
-def stretches_of(document: Mapping[str, Any], stent: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Those of one of the stents of a report document."""
-    return [one for one in document["apposition"] if one["stent"] == stent["number"]]
+def stretches_of(document: Mapping[str, Any], number: int) -> list[Mapping[str, Any]]:
+    """Those of one of the stents of a report."""
+    return [one for one in document["apposition"] if one["stent"] == number]
 
 
 def stretch_sentence(one: Mapping[str, Any]) -> str:

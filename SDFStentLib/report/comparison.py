@@ -54,7 +54,7 @@ td,th,p{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 
 
 def comparison_document(comparison: PlanComparison) -> dict[str, Any]:
-    """A comparison as plain values: of every plan the whole report, as `plan_report` makes it.
+    """A comparison, for `document_json` and the page: of every plan the whole report.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def comparison_document(comparison: PlanComparison) -> dict[str, Any]:
                 "name": one.name,
                 "certified": one.is_certified,
                 "failure": one.failure or None,
-                "report": None if one.result is None else plan_report(one.result).as_dict(),
+                "report": None if one.result is None else plan_report(one.result),
             }
             for one in comparison.alternatives
         ],
@@ -107,7 +107,7 @@ def comparison_page(document: Mapping[str, Any], pictures: Sequence[bytes] | str
     Parameters
     ----------
     document : mapping
-        As of `comparison_document`, or its JSON read back.
+        As of `comparison_document`.
     pictures : sequence of bytes, or str
         As of `comparison_pictures`.
     """
@@ -138,7 +138,7 @@ def _sheets(things: Sequence[Any]) -> list[Sequence[Any]]:
 def _of_which_vessel(alternatives: Iterable[Mapping[str, Any]]) -> str:
     """The file of the surface."""
     report = next(one["report"] for one in alternatives if one["report"] is not None)
-    return str(report["inputs"][0]["file"]).replace("\\", "/").split("/")[-1]
+    return str(report.sections["inputs"][0]["file"]).replace("\\", "/").split("/")[-1]
 
 
 def _table(alternatives: Sequence[Mapping[str, Any]]) -> str:
@@ -163,6 +163,6 @@ def _footnotes(alternatives: Sequence[Mapping[str, Any]]) -> str:
     """What the words mean, and the note on pressure where there is some."""
     said = [f"<b>{name}</b>: {escape(DEFINITIONS[name])}" for name in EXPLAINED]
     reports = [one["report"] for one in alternatives if one["report"] is not None]
-    if any(report["flow"] for report in reports):
+    if any(report.sections["flow"] for report in reports):
         said.append(f"<b>pressure and flow</b>: {escape(FLOW_NOTE)}")
     return f"<p class='small'>{'. '.join(said)}</p>"

@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from ..parameter import parameters_of
 from ..stent import Device, Stent
-from ..treatment import TreatedStent
+from .facts import COMPARED, Fact
 from .words import UNKNOWN
 
 NO_SOURCE = "none: it is no product, its numbers are assumptions"
 
 
-def device_section(device: Device | None) -> dict[str, Any] | None:
-    """A device as a report has it; null where a number is not known."""
+def device_facts(device: Device | None) -> Iterator[Fact]:
+    """Which device a stent is, and where the numbers of it are from."""
+    yield Fact(after="" if device is None else device.name, column="device")
     if device is None:
-        return None
+        yield Fact("device")
+        return
+    yield Fact("device", "Device", None, _section(device), "", _named(device), level=COMPARED)
+    if device.source:
+        yield Fact("", "Source of its numbers", words=source_words(device))
+    if device.note:
+        yield Fact("", "About it", words=device.note)
+
+
+def _named(device: Device) -> str:
+    """Its name, and whose it is."""
+    who = " ".join(filter(None, (device.manufacturer, device.family)))
+    return f"{device.name} ({who})" if who else device.name
+
+
+def _section(device: Device) -> dict[str, Any]:
+    """A device as a report has it; null where a number is not known."""
     known = parameters_of(Device)
     found = {}
     for name, value in vars(device).items():
@@ -41,7 +58,7 @@ def device_rows(device: Device) -> list[tuple[str, str]]:
         ("Largest diameter", _size(device.maximum_diameter)),
         ("Diameters in the source", _span(device.reported_diameters)),
         ("Lengths in the source", _span(device.reported_lengths)),
-        ("Source", source_words(vars(device))),
+        ("Source", source_words(device)),
         *([("Note", device.note)] if device.note else []),
     ]
 
@@ -72,17 +89,12 @@ def _known(device: Device) -> list[str]:
     ]
 
 
-def stent_device_sentences(treated: TreatedStent) -> list[str]:
-    """Which device a stent is, how long it became, and where that is from; none without one."""
-    return planned_device_sentences(treated.stent)
-
-
-def planned_device_sentences(stent: Stent) -> list[str]:
-    """The same of a stent that is planned."""
+def device_sentences(stent: Stent) -> list[str]:
+    """Which device a stent is, how long it becomes, and where that is from; none without one."""
     device = stent.device
     if device is None:
         return []
-    source = source_words(vars(device))
+    source = source_words(device)
     if not device.generic:
         source = f"from its source: {', '.join(_known(device)) or 'no number'} ({source})"
     return [f"Device {device.name}: {_sizes(stent, device)}{source}."]
@@ -106,31 +118,12 @@ def _sizes(stent: Stent, device: Device) -> str:
     )
 
 
-def source_words(row: Mapping[str, Any]) -> str:
-    """Where the numbers of a row, or of its section, are from, and whether they are verified."""
-    if not row.get("source"):
-        return NO_SOURCE if row.get("generic") else UNKNOWN
-    date = f" ({row['source_date']})" if row.get("source_date") else ""
-    return f"{row['source']}{date}; {'verified' if row.get('verified') else 'unverified'}"
-
-
-def section_device_rows(device: Mapping[str, Any] | None) -> list[tuple[str, str]]:
-    """Which device a section names, and where its numbers are from; nothing where it has none."""
-    if device is None:
-        return []
-    rows = [("Device", device_words(device))]
-    if device.get("source"):
-        rows.append(("Source of its numbers", source_words(device)))
-    if device.get("note"):
-        rows.append(("About it", str(device["note"])))
-    return rows
-
-
-def device_words(device: Mapping[str, Any]) -> str:
-    """Its name, and whose it is."""
-    names = (device.get("manufacturer"), device.get("family"))
-    who = " ".join(str(name) for name in names if name)
-    return f"{device['name']} ({who})" if who else str(device["name"])
+def source_words(device: Device) -> str:
+    """Where the numbers of a row are from, and whether they are verified."""
+    if not device.source:
+        return NO_SOURCE if device.generic else UNKNOWN
+    date = f" ({device.source_date})" if device.source_date else ""
+    return f"{device.source}{date}; {'verified' if device.verified else 'unverified'}"
 
 
 def _sold(device: Device) -> str:

@@ -1,9 +1,9 @@
-"""Diameters along a line, and what a stent did to them: table, document, sentence and page."""
+"""Diameters along a line as table and document, and the facts of what a stent did to them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,11 +13,14 @@ from ..lumen import DiameterProfile
 from ..treatment import TreatedStent, prescribed_diameters
 from ..units import MILLIMETERS
 from ..validation import Floats, Points, coordinates
-from .facts import BEYOND, MINIMUM
-from .lesions import covered_words, lesion_rows
-from .markup import paragraph, table
-from .stents import prescribed_words
+from .facts import COMPARED, GLANCE, LINES, Fact, width
 from .words import UNKNOWN, millimeters
+
+LUMEN = "Narrowest lumen"
+"""On a tile."""
+
+ERROR = "diameters.over_stented_length.mean_after_minus_prescribed_mm"
+"""Key of the fact that is a sentence below the table of diameters."""
 
 
 class MeasuredLine(NamedTuple):
@@ -75,95 +78,67 @@ def _cell(value: float) -> str:
     return f"{value:.2f}" if math.isfinite(value) else "-"
 
 
-def lumen_sentence(stent: TreatedStent) -> str:
-    """What one stent did to the lumen."""
-    before, after = stent.before, stent.after
-    return (
-        f"Lumen over {stent.axis.deployed_length:.1f} mm: narrowest {before.minimum:.2f} mm "
-        f"before, {after.minimum:.2f} mm after; mean {before.mean:.2f} mm "
-        f"before, {after.mean:.2f} mm after; prescribed {prescribed_words(stent)}."
+def prescribed_words(treated: TreatedStent) -> str:
+    """The prescribed diameter, or the smallest and the largest one."""
+    profile = treated.axis.profile
+    if profile is None or profile.diameters.min() == profile.widest:
+        return f"{round(treated.stent.diameter, 2):g} mm"
+    return f"{profile.diameters.min():.2f} to {profile.widest:.2f} mm"
+
+
+def lumen_facts(treated: TreatedStent) -> Iterator[Fact]:
+    """How wide the vessel was along it and is, over its length and beyond its ends."""
+    before, after, own = treated.before, treated.after, treated.before.arc_length
+    narrow, over = "diameters.minimum_lumen", "diameters.over_stented_length"
+    wanted = prescribed_diameters(treated.stent, treated.axis, own)
+    along = _along(treated, wanted)
+    yield Fact("diameters.along", after=along)
+    yield Fact("diameters.stent_ends_mm", after=own[[0, -1]])
+    yield width(
+        f"{narrow}.{{}}_mm",
+        "Minimum lumen diameter",
+        before.minimum,
+        after.minimum,
+        level=GLANCE,
+        note=f", prescribed {prescribed_words(treated)}",
+        column="lumen_{}_mm",
+        short="narrowest",
+        tile=LUMEN,
     )
-
-
-def first_numbers(diameters: Mapping[str, Any], lesions: Sequence[Mapping[str, Any]] | None) -> str:
-    """What a clinician reads first."""
-    narrow, over = diameters["minimum_lumen"], diameters["over_stented_length"]
-    before, after = over["before"], over["after"]
-    rows = [
-        (MINIMUM, *(millimeters(narrow[f"{when}_mm"]) for when in ("before", "after"))),
-        (BEYOND, *(millimeters(narrow[f"beyond_{when}_mm"]) for when in ("before", "after"))),
-        *lesion_rows(lesions or ()),
-        ("Mean lumen diameter \N{PLUS-MINUS SIGN} SD", _mean_sd(before), _mean_sd(after)),
-        ("Smallest to largest", _range(before), _range(after)),
-        (
-            "Mean equivalent diameter",
-            millimeters(before["equivalent_mean_mm"]),
-            millimeters(after["equivalent_mean_mm"]),
-        ),
-    ]
-    wanted = _span([one for one in diameters["along"]["prescribed_mm"] if one is not None])
-    error = millimeters(over["mean_after_minus_prescribed_mm"], signed=True)
-    head = ("over the stented length", "before", "after")
-    return "".join(
-        [
-            table(rows, head, ("", "n", "n"), row_look="first"),
-            paragraph(
-                f"Prescribed lumen diameter: {wanted}. Mean after minus prescribed: {error}.",
-                "small",
-            ),
-            paragraph(covered_words(lesions), "small"),
-        ]
+    places = before.minimum_arc_length, after.minimum_arc_length
+    yield Fact(f"{narrow}.{{}}_at_mm", "", *places)
+    beyond = (_beyond(own, one) for one in (treated.around_before, treated.around_after))
+    label = "Minimum lumen beyond the ends"
+    yield width(f"{narrow}.beyond_{{}}_mm", label, *beyond, level=COMPARED)
+    yield Fact(
+        f"{over}.{{}}.mean_mm",
+        "Mean lumen diameter \N{PLUS-MINUS SIGN} SD",
+        before.mean,
+        after.mean,
+        "mm",
+        _mean_sd(after),
+        _mean_sd(before),
+        LINES,
+        column="mean_lumen_{}_mm",
     )
+    yield Fact(f"{over}.{{}}.sd_mm", "", before.sd, after.sd)
+    was, words = (_span([one.minimum, one.maximum]) for one in (before, after))
+    ends = before.minimum, after.minimum
+    yield Fact(f"{over}.{{}}.minimum_mm", "Smallest to largest", *ends, "mm", words, was)
+    yield Fact(f"{over}.{{}}.maximum_mm", "", before.maximum, after.maximum)
+    equivalent = (_mean(one.equivalent_diameter) for one in (before, after))
+    yield width(f"{over}.{{}}.equivalent_mean_mm", "Mean equivalent diameter", *equivalent)
+    error = _mean(after.inscribed_diameter - wanted)
+    words = (
+        f"Prescribed lumen diameter: {_span(along['prescribed_mm'])}. Mean after minus prescribed: "
+        f"{millimeters(error, signed=True)}."
+    )
+    yield Fact(ERROR, after=error, words=words)
 
 
-def _mean_sd(statistics: Mapping[str, Any]) -> str:
-    if statistics["mean_mm"] is None:
-        return UNKNOWN
-    return f"{statistics['mean_mm']:.2f} \N{PLUS-MINUS SIGN} {statistics['sd_mm']:.2f} mm"
-
-
-def _range(statistics: Mapping[str, Any]) -> str:
-    ends = (statistics["minimum_mm"], statistics["maximum_mm"])
-    return _span([value for value in ends if value is not None])
-
-
-def _span(values: Sequence[float]) -> str:
-    if not values:
-        return UNKNOWN
-    low, high = min(values), max(values)
-    if round(low, 2) == round(high, 2):
-        return f"{low:.2f} mm"
-    return f"{low:.2f} to {high:.2f} mm"
-
-
-def stent_diameters(stent: TreatedStent) -> dict[str, Any]:
-    """The diameters of a stent as a report has them."""
-    before, after = stent.before, stent.after
-    own = before.arc_length
-    error = after.inscribed_diameter - prescribed_diameters(stent.stent, stent.axis, own)
-    return {
-        "along": _along(stent),
-        "stent_ends_mm": own[[0, -1]],
-        "over_stented_length": {
-            "before": _statistics(before),
-            "after": _statistics(after),
-            "mean_after_minus_prescribed_mm": _mean(error),
-        },
-        "minimum_lumen": {
-            "before_mm": before.minimum,
-            "before_at_mm": before.minimum_arc_length,
-            "after_mm": after.minimum,
-            "after_at_mm": after.minimum_arc_length,
-            "beyond_before_mm": _beyond(own, stent.around_before),
-            "beyond_after_mm": _beyond(own, stent.around_after),
-        },
-    }
-
-
-def _along(stent: TreatedStent) -> dict[str, Any]:
+def _along(treated: TreatedStent, prescribed: Floats) -> dict[str, Floats]:
     """The curves of the plot: nothing is prescribed beyond the ends of the stent."""
-    before, after, own = stent.around_before, stent.around_after, stent.before.arc_length
-    prescribed = prescribed_diameters(stent.stent, stent.axis, own)
+    before, after, own = treated.around_before, treated.around_after, treated.before.arc_length
     return {
         "arc_length_mm": before.arc_length,
         "mis_before_mm": before.inscribed_diameter,
@@ -180,16 +155,22 @@ def _beyond(own: Floats, around: DiameterProfile) -> float:
     return around.taken(is_beyond).minimum
 
 
-def _statistics(profile: DiameterProfile) -> dict[str, float]:
-    return {
-        "minimum_mm": profile.minimum,
-        "maximum_mm": profile.maximum,
-        "mean_mm": profile.mean,
-        "sd_mm": profile.sd,
-        "equivalent_mean_mm": _mean(profile.equivalent_diameter),
-    }
-
-
 def _mean(values: Floats) -> float:
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else math.nan
+
+
+def _mean_sd(profile: DiameterProfile) -> str:
+    if not math.isfinite(profile.mean):
+        return UNKNOWN
+    return f"{profile.mean:.2f} \N{PLUS-MINUS SIGN} {profile.sd:.2f} mm"
+
+
+def _span(values: Sequence[float] | Floats) -> str:
+    known = [one for one in values if math.isfinite(one)]
+    if not known:
+        return UNKNOWN
+    low, high = min(known), max(known)
+    if round(low, 2) == round(high, 2):
+        return f"{low:.2f} mm"
+    return f"{low:.2f} to {high:.2f} mm"

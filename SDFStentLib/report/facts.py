@@ -1,78 +1,144 @@
-"""What is told of a result, worded once: for the shell, the report, its page and the panel."""
+"""What is told of a subject: every quantity once, as a `Fact`. Documents, tables, lines and tiles
+are views of facts.
+
+A function per subject lists them, such as `stent_facts`; a new number is one more of them.
+"""
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
 
-from ..lumen import DiameterProfile
-from ..treatment import Residual
-from ..vessel import Apposition, Ostium
-from .words import UNKNOWN, degree_text, number_text
+import numpy as np
 
-MINIMUM, BEYOND = "Minimum lumen diameter", "Minimum lumen beyond the ends"
-"""Of a stent."""
+from .words import UNKNOWN, millimeters, number_text
 
-LEFT = "Left in the treated vessel"
-LINE_LOST = "the wall was moved past the line along which it is measured"
-CONTACT = "Contact with the wall"
-ALL_ROUND = "all round"
-
-RATIOS = {
-    "stent_to_adjacent": "where that is narrowest",
-    "stent_to_proximal": "at the proximal end",
-    "stent_to_distal": "at the distal end",
-}
-"""Where the healthy vessel is to which a report has the ratio of a stent, by its key."""
-
-TO_HEALTHY = "Stent : healthy vessel"
+GLANCE, COMPARED, LINES, DETAILS = LEVELS = range(4)
+"""Where a fact is told first: on tiles and beside the stent, beside those of other plans, in the
+lines of shell and panel, in the report. It is told in all later ones, too."""
 
 
 class Fact(NamedTuple):
     """One quantity of a result."""
 
-    label: str
-    value: float | None
-    """None or NaN where it is not known."""
-    unit: str
-    words: str
-    """The value as a reader wants it, with its unit where it has one."""
+    key: str = ""
+    """Its place in a document: names from the outside in, between dots; `{}` is before or after.
+    With a line in front it has none there."""
+    label: str = ""
+    """What it is called. Without one it is a sentence, or for programs only."""
+    before: Any = None
+    """None where treatment does not change it, NaN where it is not known."""
+    after: Any = None
+    unit: str = ""
+    words: str = ""
+    """The value as a reader wants it, with its unit where it has one; all of a sentence."""
+    was: str = ""
+    """The value before."""
+    level: int = DETAILS
+    note: str = ""
+    """What follows the values in a line."""
+    column: str = ""
+    """In a table with a row per result; `{}` is before or after, of a place x, y or z."""
+    short: str = ""
+    """What it is called beside the stent,"""
+    tile: str = ""
+    """and on its tile, where that is not its label."""
+    worst: Callable[..., Any] = min
+    """Of several."""
+
+    @property
+    def change(self) -> str:
+        """The values of a line: before and after, the unit once."""
+        was = self.was if self.words == UNKNOWN else self.was.removesuffix(f" {self.unit}")
+        return " -> ".join(filter(None, (was, self.words))) + self.note
+
+    @property
+    def cell(self) -> str:
+        """The values beside those of other plans, what it came to first; lengths to 0.01 mm."""
+        words = millimeters(self.after) if self.unit == "mm" else self.words
+        return f"{words} (before {self.was})" if self.was else words
+
+    @property
+    def is_known(self) -> bool:
+        """Whether there is anything to say of it."""
+        return {self.was, self.words} != {UNKNOWN}
+
+    @property
+    def rounded(self) -> list[str]:
+        """The numbers of a glance: to a tenth, of before only where there is one."""
+        return [number_text(one, 1) for one in (self.before, self.after) if one is not None]
 
     def __str__(self) -> str:
-        return f"{self.label}: {self.words}"
+        return f"{self.label}: {self.change}" if self.label else self.words
+
+    def named_values(self, name: str) -> Iterator[tuple[str, Any]]:
+        """Values by `name`, a key or a column: one, two states, or three coordinates."""
+        if "{}" not in name:
+            yield name, self.after
+        elif isinstance(self.after, np.ndarray):
+            yield from zip(map(name.format, "xyz"), self.after.tolist(), strict=True)
+        else:
+            yield name.format("before"), self.before
+            yield name.format("after"), self.after
 
 
-def lumen_fact(before: DiameterProfile, after: DiameterProfile) -> Fact:
-    """The narrowest place of a stent, before and after treatment."""
-    change = " -> ".join(number_text(profile.minimum, 2) for profile in (before, after))
-    return Fact(MINIMUM, after.minimum, "mm", f"{change} mm")
+class Facts(tuple[Fact, ...]):
+    """Those of one subject, in order, and the views of all of them."""
+
+    def named(self, key: str) -> Fact:
+        """The one with a key."""
+        return next(one for one in self if one.key == key)
+
+    def value(self, key: str) -> Any:
+        """What one came to; None without such a fact."""
+        return next((one.after for one in self if one.key == key), None)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For a document: values by key."""
+        found: dict[str, Any] = {}
+        for one in self:
+            for path, value in () if one.key[:1] in ("", "_") else one.named_values(one.key):
+                inner, (*above, name) = found, path.split(".")
+                for step in above:
+                    inner = inner.setdefault(step, {})
+                inner[name] = value
+        return found
+
+    def columns(self) -> dict[str, Any]:
+        """For a row of a table."""
+        return {
+            name: value
+            for one in self
+            if one.column
+            for name, value in one.named_values(one.column)
+        }
+
+    def rows(self) -> list[tuple[str, str]]:
+        """For a page: name and value of what treatment does not change."""
+        return [(one.label, one.words) for one in self._labeled() if not one.was]
+
+    def changes(self, levels: Sequence[int] = LEVELS) -> list[tuple[str, str, str]]:
+        """For a page: name, before and after, of what is told at some levels."""
+        return [
+            (one.label, one.was, one.words)
+            for one in self._labeled()
+            if one.was and one.level in levels
+        ]
+
+    def at(self, level: int) -> list[Fact]:
+        """What is told at a level and at those before it: sentences and what has a label."""
+        return [one for one in self if one.level <= level and one.words]
+
+    def _labeled(self) -> Iterable[Fact]:
+        return (one for one in self if one.label and one.words)
 
 
-def coverage_fact(branch: Ostium) -> Fact:
-    """How much of a branch's ostium a stent covers."""
-    label = branch.name[:1].upper() + branch.name[1:]
-    return Fact(label, 100 * branch.covered_share, "%", branch.coverage)
+def size(key: str, label: str, value: float | None, digits: int = 2, **more: Any) -> Fact:
+    """A length that treatment does not change, mm; without words where there is none."""
+    words = "" if value is None else millimeters(value, digits)
+    return Fact(key, label, None, value, "mm", words, **more)
 
 
-def stenosis_fact(number: int, percent: float | None, kind: str = "diameter") -> Fact:
-    """How much narrower than its reference a lesion is, by `diameter` or by `area`."""
-    return Fact(f"Lesion {number}, {kind} stenosis", percent, "%", degree_text(percent))
-
-
-def residual_fact(residual: Residual) -> Fact:
-    """What is narrowest in the treated vessels, and where."""
-    sizes = f"{residual.minimum:.2f} of {residual.reference:.2f} mm"
-    words = f"{degree_text(residual.percent, sizes)}, {residual.place()}"
-    if math.isnan(residual.percent):
-        words = f"{UNKNOWN}, as in lesion {residual.lesion}, {residual.place()}: {LINE_LOST}"
-    return Fact(LEFT, residual.percent, "%", words)
-
-
-def contact_fact(found: Apposition) -> Fact:
-    """Over which length a stent does not touch the wall all round."""
-    free, words = found.free_length, ALL_ROUND
-    if found.stretches:
-        words = f"not {ALL_ROUND} over {free:.1f} of {found.length:.1f} mm"
-    if found.is_loose:
-        words = f"none over all of {found.length:.1f} mm"
-    return Fact(CONTACT, free, "mm", words)
+def width(key: str, label: str, before: float, after: float, **more: Any) -> Fact:
+    """A length before and after treatment, mm."""
+    return Fact(key, label, before, after, "mm", millimeters(after), millimeters(before), **more)

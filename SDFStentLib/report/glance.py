@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,8 +28,11 @@ from ..treatment import (
     stent_ratios,
 )
 from ..vessel import Lesion, lesions_within
-from .facts import ALL_ROUND, CONTACT
+from .branches import ALL_ROUND, CONTACT
+from .diameters import LUMEN
+from .facts import GLANCE
 from .flow import share_gained
+from .stents import measured_facts
 from .words import degree_word, number_text
 
 PREVIEW, MEASURING = "preview", "measuring..."
@@ -37,7 +41,7 @@ WARNING = "warning: "
 """What a line begins with that tells of one: whoever colors lines goes by that."""
 
 WARNINGS = "Warnings"
-LUMEN, STENOSIS, BRANCHES, SURFACE = "Narrowest lumen", "Stenosis left", "Branches", "Surface"
+STENOSIS, BRANCHES, SURFACE = "Stenosis left", "Branches", "Surface"
 _OF_SURFACE = {
     CERTIFIED: (CERTIFIED, ""),
     CERTIFIED_OPEN: (CERTIFIED, "once its openings are closed"),
@@ -118,25 +122,12 @@ def measured_lines(
 
     Before that is the gravest warning, where there is one, that of the stent first of equals.
 
-    Parameters
-    ----------
-    treated : TreatedStent
-        The one that is told of,
-    stents : sequence of TreatedStent
-        and all of the treatment.
-    lesions : sequence of TreatedLesion or None
-        Of the vessel; None where none were looked for.
-    certificate : Certificate or None
-        Of the surface with all stents; None where none was asked for.
-    cautions : sequence of Caution
-        All that there are of the treatment.
-    flow : mapping, optional
-        `flow_section` before and after treatment.
+    The other parameters are as those of `result_tiles`, of the whole treatment.
     """
-    lumens = (treated.before.minimum, treated.after.minimum)
+    facts = measured_facts(treated).at(GLANCE)
     told = [
         _size(treated),
-        f"narrowest {' -> '.join(number_text(one, 1) for one in lumens)} mm",
+        *(f"{one.short or one.label} {' -> '.join(one.rounded)} {one.unit}" for one in facts),
         _left(treated, stents, lesions or ()),
         "" if flow is None else _flow(flow, treated.row),
         _branches(treated),
@@ -195,10 +186,11 @@ def _nearest_lesion(
 
 def _branches(treated: TreatedStent) -> str:
     """How many branches it changes."""
-    covered = sum(not branch.is_free for branch in treated.branches)
-    narrowed = sum(one.is_narrowed for one in treated.neighbors if one.is_branch)
-    said = [f"{covered} covered" if covered else "", f"{narrowed} narrowed" if narrowed else ""]
-    words = ", ".join(filter(None, said))
+    counts = {
+        "covered": sum(not branch.is_free for branch in treated.branches),
+        "narrowed": sum(one.is_narrowed for one in treated.neighbors if one.is_branch),
+    }
+    words = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
     return words and f"branches: {words}"
 
 
@@ -264,7 +256,7 @@ def result_tiles(
     """
     tiles = [
         *_warnings(cautions),
-        _lumen(stents),
+        *_worst(stents),
         _stenosis(stents, lesions or ()),
         _beside(stents),
         *_touching(stents),
@@ -289,15 +281,16 @@ def _warnings(cautions: Sequence[Caution]) -> Iterator[Tile]:
     yield Tile(WARNINGS, str(len(cautions)), topics, True)
 
 
-def _lumen(stents: Sequence[TreatedStent]) -> Tile:
-    """The narrowest place of all stents; NaN is narrower than any."""
-    worst = stents[int(np.argmin([one.after.minimum for one in stents]))]
-    before, planned = (number_text(one, 1) for one in (worst.before.minimum, worst.stent.diameter))
-    return Tile(
-        LUMEN,
-        f"{number_text(worst.after.minimum, 1)} mm",
-        f"before {before}, stent {planned} mm",
-    )
+def _worst(stents: Sequence[TreatedStent]) -> Iterator[Tile]:
+    """Of every fact that is told first that of the stent with the worst; NaN is worse than any."""
+    told = [one for stent in stents for one in measured_facts(stent).at(GLANCE)]
+    for label in dict.fromkeys(one.label for one in told):
+        alike = [one for one in told if one.label == label]
+        unknown = [one for one in alike if not math.isfinite(one.after)]
+        one = alike[0].worst(unknown or alike, key=attrgetter("after"))
+        *before, value = one.rounded
+        beneath = f"{', '.join(f'before {was}' for was in before)}{one.note}".removeprefix(", ")
+        yield Tile(one.tile or label, f"{value} {one.unit}", beneath)
 
 
 def _stenosis(stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]) -> Tile:

@@ -7,27 +7,28 @@ from typing import Any
 
 from .branches import apposition_table, branch_table, stretches_of
 from .changes import change_rows, setting_rows
-from .diameters import first_numbers
-from .facts import LEFT
+from .diameters import ERROR
+from .facts import LEVELS, LINES, Facts
 from .flow import flow_part
-from .lesions import lesion_table, stent_lesions
+from .lesions import LEFT, covered_words, lesion_table, stent_lesions
 from .markup import beginning, heading, page, paragraph, picture, table
 from .picture.drawing import svg
 from .picture.plot import diameter_plot
-from .stents import stent_rows, stent_titles, stent_words
-from .words import input_rows, number_text, plain_label
+from .stents import stent_titles
+from .words import input_rows, number_text, plain, plain_label
 
 Section = Mapping[str, Any]
 
 
-def html_page(document: Section, image: bytes | str | None = None) -> str:
-    """The page made from a report document (`Report.as_dict()`, or its JSON read back).
+def html_page(sections: Section, image: bytes | str | None = None) -> str:
+    """The page made from the sections of a report.
 
     `image` is a PNG that is put into the page, or the sentence that says why there is none.
     """
-    stents = document["stents"]
+    stents, lesions = sections["stents"], sections["lesions"]
+    document = plain(sections)
     files = ", ".join(entry["file"].split("/")[-1] for entry in document["inputs"])
-    named = [*zip(stent_titles(stents), stents, strict=True)]
+    named = [*zip(stent_titles(document["stents"]), stents, strict=True)]
     left, today, flow = (document[key] for key in ("left", "today", "flow"))
     title = "Virtual stenting report"
     parts = [
@@ -37,14 +38,14 @@ def html_page(document: Section, image: bytes | str | None = None) -> str:
         *([paragraph(f"{LEFT}: {left['words']}.", "head")] if left else []),
         *_picture(image),
         *map(paragraph, today["sentences"] if today else ()),
-        *lesion_table(document["lesions"]),
-        *(_lumen(document, title, stent) for title, stent in named),
-        *branch_table(document["branches"]),
+        *lesion_table(lesions),
+        *(_lumen(document, lesions, title, stent) for title, stent in named),
+        *branch_table(sections["branches"]),
         *apposition_table(document["apposition"]),
         *([heading("Pressure and flow"), *flow_part(flow)] if flow else []),
         # To check and to repeat it.
         "<div class='details'>",
-        *(part for title, stent in named for part in _planned(title, stent, document)),
+        *(part for title, stent in named for part in _planned(title, stent)),
         heading("Surface"),
         table(change_rows(document["changes"]), look="words small"),
         heading("Method"),
@@ -77,16 +78,28 @@ def certificate_sentence(certificate: Section | None) -> tuple[bool, str]:
     return bool(certificate["passed"]), str(certificate["sentence"])
 
 
-def _lumen(document: Section, title: str, stent: Section) -> str:
+def _lumen(document: Section, lesions: Sequence[Facts] | None, title: str, stent: Facts) -> str:
     """A stent in one line, its numbers, and its plot: they stay on one sheet."""
     name = "Lumen" if title == "Stent" else f"{title}, lumen"
-    again = stent.get("dilated_again_as")
-    plot = diameter_plot(stent["diameters"], stretches_of(document, stent), again)
-    return (
-        f"<section>{heading(f'{name} before and after')}{paragraph(stent_words(stent))}"
-        f"{first_numbers(stent['diameters'], stent_lesions(document, stent))}"
-        f"{svg(plot) if plot else paragraph('No diameter could be measured.')}</section>"
+    values = plain(stent)
+    covered = stent_lesions(lesions, values)
+    plot = diameter_plot(
+        values["diameters"],
+        stretches_of(document, values["number"]),
+        values.get("dilated_again_as"),
     )
+    degrees = (row for one in covered or () for row in one.changes())
+    rows = [*stent.changes(LEVELS[:LINES]), *degrees, *stent.changes(LEVELS[LINES:])]
+    head = ("over the stented length", "before", "after")
+    parts = [
+        heading(f"{name} before and after"),
+        paragraph(stent.named("_whole").words),
+        table(rows, head, ("", "n", "n"), row_look="first"),
+        paragraph(stent.named(ERROR).words, "small"),
+        paragraph(covered_words(covered), "small"),
+        svg(plot) if plot else paragraph("No diameter could be measured."),
+    ]
+    return f"<section>{''.join(parts)}</section>"
 
 
 def _warnings_and_certificate(document: Section) -> list[str]:
@@ -107,9 +120,8 @@ def _picture(image: bytes | str | None) -> list[str]:
     return [picture(image, "The vessel before and after")]
 
 
-def _planned(title: str, stent: Section, document: Section) -> list[str]:
-    rows = stent_rows(stent, document["inputs"][0])
-    return [heading(f"{title}, as planned"), table(rows, look="words")]
+def _planned(title: str, stent: Facts) -> list[str]:
+    return [heading(f"{title}, as planned"), table(stent.rows(), look="words")]
 
 
 def _inputs(inputs: Sequence[Section], timings: Section) -> list[str]:

@@ -1,18 +1,20 @@
-"""Lesions as a report, a table and the command line tell them."""
+"""What is told of lesions, before and after treatment."""
 
 from __future__ import annotations
 
 import csv
 import io
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from ..treatment import Residual, TreatedLesion
 from ..units import MILLIMETERS
 from ..validation import coordinates
 from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
-from .facts import LINE_LOST, residual_fact, stenosis_fact
+from .facts import Fact, Facts, size
 from .markup import heading, paragraph, table
 from .words import UNKNOWN, degree_text, degrees_text, millimeters, point_words
 
@@ -21,70 +23,134 @@ NO_LESION = f"No lesion of {LEAST} was found."
 COVERS_NONE = f"This stent covers no lesion of {LEAST}."
 LEFT_BEYOND = " What is left is narrowest beyond the stent's ends."
 NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the vessel."
+LEFT = "Left in the treated vessel"
+LINE_LOST = "the wall was moved past the line along which it is measured"
 
-Section = Mapping[str, Any]
-
-
-def lesion_section(number: int, lesion: Lesion, units: str = "mm") -> dict[str, Any]:
-    """One lesion as a report has it; branches count from 1, coordinates are in mm and as filed."""
-    return {
-        "number": number,
-        "branch": lesion.branch + 1,
-        "branch_name": lesion.branch_name,
-        "along_branch_mm": lesion.branch_arc_length,
-        "arc_length_mm": lesion.arc_length,
-        "vessel": lesion.vessel + 1,
-        "generation": lesion.generation,
-        "place_mm": lesion.point,
-        "place": _filed(lesion.point, units),
-        "units": units,
-        "extent": {
-            "start_mm": lesion.start,
-            "end_mm": lesion.end,
-            "length_mm": lesion.length,
-        },
-        "path_mm": lesion.line.points,
-        **_degrees(lesion),
-        "reference": {
-            "words": lesion.reference,
-            "diameter_mm": lesion.reference_diameter,
-            "area_mm2": lesion.reference_area,
-            "proximal": _healthy_section(lesion.proximal),
-            "distal": _healthy_section(lesion.distal),
-        },
-    }
+COLUMNS = (
+    *("lesion", "branch", "branch_name", "along_branch_mm", "x", "y", "z", "units", "length_mm"),
+    *("minimum_diameter_mm", "reference_diameter_mm", "percent_diameter", "minimum_area_mm2"),
+    *("reference_area_mm2", "percent_area", "proximal_diameter_mm", "distal_diameter_mm"),
+    "reference",
+)
+"""Of the table of lesions; x, y, z are in the unit and frame of the surface's file."""
 
 
-def treated_lesion_section(treated: TreatedLesion, units: str = "mm") -> dict[str, Any]:
+def lesion_facts(number: int, lesion: Lesion, units: str = "mm") -> Facts:
+    """What is known of a lesion; branches count from 1, places are in mm and as filed."""
+    return Facts(_facts(number, lesion, units))
+
+
+def treated_lesion_facts(treated: TreatedLesion, units: str = "mm") -> Facts:
     """The same with what is left of it after treatment, and the stents that cover it."""
-    return {
-        **lesion_section(treated.number, treated.before, units),
-        "after": _degrees(treated.after),
-        "stents": treated.stents,
-        "is_left_beyond": treated.is_left_beyond,
-    }
+    before, after, stents = treated.before, treated.after, treated.stents
+    degree = degree_text(after.percent_diameter)
+    against = f"Lesion {treated.number} against {before.reference}.{_left_note(treated)}"
+    return Facts(
+        (
+            *_facts(treated.number, before, units),
+            Fact("after.minimum.diameter_mm", after=after.minimum_diameter),
+            Fact("after.minimum.area_mm2", after=after.minimum_area),
+            Fact("after.percent_diameter", "after", after=after.percent_diameter, words=degree),
+            Fact("after.percent_area", after=after.percent_area),
+            Fact("stents", "stent", after=stents, words=", ".join(map(str, stents)) or "none"),
+            Fact("is_left_beyond", after=treated.is_left_beyond),
+            degree_fact(treated),
+            degree_fact(treated, "area"),
+            Fact("_against", words=against),
+            Fact("_left", words=_left_words(treated)),
+        )
+    )
 
 
-def residual_section(residual: Residual | None) -> dict[str, Any] | None:
-    """What is narrowest in the treated vessels, as a report has it."""
-    if residual is None:
+def _left_words(treated: TreatedLesion) -> str:
+    """What is left of it, beside what other plans leave."""
+    after, covered = treated.after, "" if treated.stents else "; not stented"
+    degrees = degrees_text(after.percent_diameter, after.percent_area)
+    return f"{degrees}{covered}.{_left_note(treated)}"
+
+
+def _facts(number: int, one: Lesion, units: str) -> Iterator[Fact]:
+    place, branch = np.array(one.point), one.branch + 1
+    along = f"{one.branch_name}, {millimeters(one.branch_arc_length, 1)} along it"
+    where = f"{along}; {point_words(one.point, units)}"
+    yield Fact("number", "lesion", after=number, words=str(number), column="lesion")
+    yield Fact("branch", after=branch, column="branch")
+    yield Fact("branch_name", after=one.branch_name, column="branch_name")
+    yield Fact("along_branch_mm", after=one.branch_arc_length, column="along_branch_mm")
+    yield Fact("arc_length_mm", after=one.arc_length)
+    yield Fact("vessel", after=one.vessel + 1)
+    yield Fact("generation", after=one.generation)
+    yield Fact("place_mm", "narrowest at (x, y, z)", after=place, words=where)
+    yield Fact("place", after=place / MILLIMETERS[units], column="{}")
+    yield Fact("units", after=units, column="units")
+    yield Fact("extent.start_mm", after=one.start)
+    yield Fact("extent.end_mm", after=one.end)
+    yield size("extent.length_mm", "length", one.length, 1, column="length_mm")
+    yield Fact("path_mm", after=one.line.points)
+    minimum, reference = one.minimum_diameter, one.reference_diameter
+    column = "minimum_diameter_mm"
+    yield size("minimum.diameter_mm", "minimum diameter", minimum, column=column)
+    column = "reference_diameter_mm"
+    yield size("reference.diameter_mm", "reference diameter", reference, column=column)
+    yield Fact(
+        "percent_diameter",
+        "diameter stenosis before",
+        after=one.percent_diameter,
+        words=degree_text(one.percent_diameter),
+        column="percent_diameter",
+    )
+    yield Fact("minimum.area_mm2", after=one.minimum_area, column="minimum_area_mm2")
+    yield Fact("reference.area_mm2", after=one.reference_area, column="reference_area_mm2")
+    yield Fact("percent_area", after=one.percent_area, column="percent_area")
+    for name, side in (("proximal", one.proximal), ("distal", one.distal)):
+        yield Fact(f"reference.{name}", after=_healthy(side))
+        width = side.diameter if side else math.nan
+        yield Fact(after=width, column=f"{name}_diameter_mm")
+    yield Fact("reference.words", after=one.reference, column="reference")
+
+
+def _healthy(place: HealthyPlace | None) -> dict[str, Any] | None:
+    if place is None:
         return None
     return {
-        "words": residual_fact(residual).words,
-        "percent_diameter": residual.percent,
-        "minimum_mm": residual.minimum,
-        "reference_mm": residual.reference,
-        "place_mm": residual.point,
-        "lesion": residual.lesion,
-        "side": residual.side,
-        "stent": residual.stent,
-        "distance_mm": residual.distance,
+        "place_mm": place.point,
+        "arc_length_mm": place.arc_length,
+        "diameter_mm": place.diameter,
+        "area_mm2": place.area,
     }
+
+
+def residual_facts(residual: Residual) -> Facts:
+    """What is narrowest in the treated vessels, and where."""
+    sizes = f"{residual.minimum:.2f} of {residual.reference:.2f} mm"
+    words = f"{degree_text(residual.percent, sizes)}, {residual.place()}"
+    if math.isnan(residual.percent):
+        words = f"{UNKNOWN}, as in lesion {residual.lesion}, {residual.place()}: {LINE_LOST}"
+    return Facts(
+        (
+            Fact("words", LEFT, after=words, words=words),
+            Fact("percent_diameter", after=residual.percent),
+            Fact("minimum_mm", after=residual.minimum),
+            Fact("reference_mm", after=residual.reference),
+            Fact("place_mm", after=residual.point),
+            Fact("lesion", after=residual.lesion),
+            Fact("side", after=residual.side),
+            Fact("stent", after=residual.stent),
+            Fact("distance_mm", after=residual.distance),
+        )
+    )
+
+
+def degree_fact(treated: TreatedLesion, kind: str = "diameter") -> Fact:
+    """How much narrower than its reference a lesion is, by `diameter` or by `area`."""
+    was, left = (getattr(one, f"percent_{kind}") for one in (treated.before, treated.after))
+    label = f"Lesion {treated.number}, {kind} stenosis"
+    return Fact("", label, was, left, "", degree_text(left), degree_text(was))
 
 
 def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[str, str]:
     """A lesion in two sentences: what it is, and what it is measured against."""
-    place = coordinates(_filed(lesion.point, units))
+    place = coordinates(np.array(lesion.point) / MILLIMETERS[units])
     return (
         f"Lesion {number}: {degrees_text(lesion.percent_diameter, lesion.percent_area)}; "
         f"{lesion.branch_name}, "
@@ -132,155 +198,63 @@ def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) 
     if not covered:
         return [COVERS_NONE]
     return [
-        f"{stenosis_fact(one.number, one.before.percent_diameter)} -> "
-        f"{degree_text(one.after.percent_diameter)}, by area "
-        f"{degree_text(one.before.percent_area)} -> {degree_text(one.after.percent_area)}, "
-        f"against {one.before.reference}."
-        f"{left_note(one.after.percent_diameter, one.is_left_beyond)}"
+        f"{degree_fact(one)}, by area {degree_fact(one, 'area').change}, against "
+        f"{one.before.reference}.{_left_note(one)}"
         for one in covered
     ]
 
 
-def left_note(percent: float | None, is_left_beyond: bool) -> str:
+def _left_note(treated: TreatedLesion) -> str:
     """What else there is to say of what is left of a covered lesion, after a full stop."""
-    if percent is None or math.isnan(percent):
+    if math.isnan(treated.after.percent_diameter):
         return f" What is left of it is {UNKNOWN}: {LINE_LOST}."
-    return LEFT_BEYOND if is_left_beyond else ""
+    return LEFT_BEYOND if treated.is_left_beyond and treated.stents else ""
 
 
 def degree_change(treated: TreatedLesion) -> str:
     """A lesion's stenosis by diameter, before and after, in few words."""
-    before, after = treated.before.percent_diameter, treated.after.percent_diameter
-    return f"lesion {treated.number} {degree_text(before)} -> {degree_text(after)}"
+    return f"lesion {treated.number} {degree_fact(treated).change}"
 
 
-def stent_lesions(document: Section, stent: Section) -> list[Section] | None:
-    """The lesions that a stent covers; None when none were looked for."""
-    if stent["lesions"] is None or document["lesions"] is None:
+def stent_lesions(lesions: Sequence[Facts] | None, stent: Mapping[str, Any]) -> list[Facts] | None:
+    """The lesions that a stent of a document covers; None when none were looked for."""
+    if lesions is None or stent["lesions"] is None:
         return None
-    return [one for one in document["lesions"] if one["number"] in stent["lesions"]]
+    return [one for one in lesions if one.named("number").after in stent["lesions"]]
 
 
-def lesion_rows(lesions: Sequence[Section]) -> list[tuple[str, str, str]]:
-    """Name, before and after of the degrees of lesions."""
-    return [
-        (before.label, before.words, degree_text(one["after"][f"percent_{kind}"]))
-        for one in lesions
-        for kind in ("diameter", "area")
-        for before in [stenosis_fact(one["number"], one[f"percent_{kind}"], kind)]
-    ]
-
-
-def covered_words(lesions: Sequence[Section] | None) -> str:
+def covered_words(lesions: Sequence[Facts] | None) -> str:
     """What a stent's lesions are measured against, or why there is no percentage."""
     if lesions is None:
         return NOT_LOOKED_FOR
-    if not lesions:
-        return COVERS_NONE
-    return " ".join(
-        f"Lesion {one['number']} against {one['reference']['words']}."
-        f"{left_note(one['after']['percent_diameter'], one['is_left_beyond'])}"
-        for one in lesions
-    )
+    return " ".join(one.named("_against").words for one in lesions) or COVERS_NONE
 
 
-def lesion_table(lesions: Sequence[Section] | None) -> list[str]:
+def lesion_table(lesions: Sequence[Facts] | None) -> list[str]:
     """All lesions of the vessel, with what is left of each."""
     if lesions is None:
         return []
     title = heading("Lesions of the vessel")
     if not lesions:
         return [title, paragraph(NO_LESION)]
-    columns = {
-        "lesion": "",
-        "narrowest at (x, y, z)": "place",
-        **dict.fromkeys(
-            ("length", "minimum diameter", "reference diameter", "diameter stenosis before"), "n"
-        ),
-        "after": "n degree",
-        "stent": "",
-    }
-    rows = [
-        (
-            str(one["number"]),
-            f"{one['branch_name']}, {millimeters(one['along_branch_mm'], 1)} along it; "
-            f"{point_words(one['place_mm'], one['units'])}",
-            millimeters(one["extent"]["length_mm"], 1),
-            millimeters(one["minimum"]["diameter_mm"]),
-            millimeters(one["reference"]["diameter_mm"]),
-            degree_text(one["percent_diameter"]),
-            degree_text(one["after"]["percent_diameter"]),
-            ", ".join(map(str, one["stents"])) or "none",
-        )
-        for one in lesions
-    ]
-    return [title, table(rows, [*columns], [*columns.values()])]
+    looks = {"lesion": "", "narrowest at (x, y, z)": "place", "after": "n degree", "stent": ""}
+    head = [label for label, _ in lesions[0].rows()]
+    rows = [[words for _, words in one.rows()] for one in lesions]
+    return [title, table(rows, head, [looks.get(label, "n") for label in head])]
 
 
 def lesions_csv(lesions: Sequence[Lesion], units: str = "mm") -> str:
     """The lesions as a table with one row each; an empty cell where a number is not known."""
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
     for number, lesion in enumerate(lesions, start=1):
-        writer.writerow([_cell(value(number, lesion, units)) for value in COLUMNS.values()])
+        row = lesion_facts(number, lesion, units).columns()
+        writer.writerow({name: _cell(value) for name, value in row.items()})
     return text.getvalue()
-
-
-def _side(place: HealthyPlace | None) -> float:
-    return place.diameter if place else math.nan
-
-
-COLUMNS: dict[str, Callable[[int, Lesion, str], Any]] = {
-    "lesion": lambda number, one, units: number,
-    "branch": lambda number, one, units: one.branch + 1,
-    "branch_name": lambda number, one, units: one.branch_name,
-    "along_branch_mm": lambda number, one, units: one.branch_arc_length,
-    "x": lambda number, one, units: _filed(one.point, units)[0],
-    "y": lambda number, one, units: _filed(one.point, units)[1],
-    "z": lambda number, one, units: _filed(one.point, units)[2],
-    "units": lambda number, one, units: units,
-    "length_mm": lambda number, one, units: one.length,
-    "minimum_diameter_mm": lambda number, one, units: one.minimum_diameter,
-    "reference_diameter_mm": lambda number, one, units: one.reference_diameter,
-    "percent_diameter": lambda number, one, units: one.percent_diameter,
-    "minimum_area_mm2": lambda number, one, units: one.minimum_area,
-    "reference_area_mm2": lambda number, one, units: one.reference_area,
-    "percent_area": lambda number, one, units: one.percent_area,
-    "proximal_diameter_mm": lambda number, one, units: _side(one.proximal),
-    "distal_diameter_mm": lambda number, one, units: _side(one.distal),
-    "reference": lambda number, one, units: one.reference,
-}
-"""Of the table of lesions; x, y, z are in the unit and frame of the surface's file."""
 
 
 def _cell(value: Any) -> Any:
     if not isinstance(value, float):
         return value
     return f"{value:.6g}" if math.isfinite(value) else ""
-
-
-def _degrees(lesion: Lesion) -> Mapping[str, Any]:
-    return {
-        "minimum": {
-            "diameter_mm": lesion.minimum_diameter,
-            "area_mm2": lesion.minimum_area,
-        },
-        "percent_diameter": lesion.percent_diameter,
-        "percent_area": lesion.percent_area,
-    }
-
-
-def _healthy_section(place: HealthyPlace | None) -> dict[str, Any] | None:
-    if place is None:
-        return None
-    return {
-        "place_mm": place.point,
-        "arc_length_mm": place.arc_length,
-        "diameter_mm": place.diameter,
-        "area_mm2": place.area,
-    }
-
-
-def _filed(point: Sequence[float], units: str) -> tuple[float, ...]:
-    return tuple(value / MILLIMETERS[units] for value in point)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,19 +12,15 @@ from ..cautions import Caution
 from ..files import atomic_path, check_suffix, write_bytes
 from ..lumen import REACH
 from ..plan import PlanResult
-from ..treatment import TreatedLesion, TreatedStent, lumen_into
-from ..units import MILLIMETERS
+from ..treatment import lumen_into
 from ..validation import as_path, check_is_a
 from ..version import VERSION
 from ..vessel import SMALLEST_DEGREE
-from .branches import branch_section, free_stretches
+from .branches import branch_facts, free_stretches
 from .changes import change_section, settings_section
-from .devices import device_section
-from .diameters import stent_diameters
 from .flow import flow_section
-from .lesions import residual_section, treated_lesion_section
-from .sizing import diameters_section, redilation_section
-from .stents import shape_section, shortening_reason
+from .lesions import residual_facts, treated_lesion_facts
+from .stents import stent_facts
 from .summary import today_section
 from .words import RESEARCH_USE, document_json, plain
 
@@ -73,7 +69,7 @@ class Report(NamedTuple):
     """What is told of a plan that was carried out, as `plan_report` makes it."""
 
     sections: Mapping[str, Any]
-    """Of the document, by name."""
+    """By name, as facts and plain values: what there is to tell, in documents and pages."""
     picture: bytes | str | None = None
     """For the page: a PNG, or the sentence that says why there is none."""
 
@@ -104,7 +100,7 @@ def write_report(report: Report, path: str | os.PathLike[str]) -> None:
         # Late, as below: a document needs neither the page nor the drawing.
         from .html import html_page
 
-        text = html_page(report.as_dict(), report.picture)
+        text = html_page(report.sections, report.picture)
     with atomic_path(path) as temporary:
         # The name of a file need not be valid text; JSON reads the escape back.
         temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
@@ -160,7 +156,8 @@ def plan_report(
     judged = None
     if treatment.certificate is not None:
         judged = {**treatment.certificate.as_dict(units), "arrays_kept": not lost}
-    stents = [_stent_section(stent, result.lesions, units) for stent in result.told.stents]
+    frame = result.inputs.surface.frame
+    stents = [stent_facts(one, result.lesions, units, frame) for one in result.told.stents]
     seconds = {"read": result.inputs.seconds, **treatment.timings, **(timings or {})}
     sections = {
         "schema": SCHEMA,
@@ -170,15 +167,14 @@ def plan_report(
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "inputs": _inputs(result),
         "stents": stents,
-        "diameters": stents[0]["diameters"],
-        "lesions": result.lesions
-        and [treated_lesion_section(one, units) for one in result.lesions],
+        "diameters": stents[0].as_dict()["diameters"],
+        "lesions": result.lesions and [treated_lesion_facts(one, units) for one in result.lesions],
         "today": today_section(result.today),
-        "left": residual_section(result.residual),
+        "left": result.residual and residual_facts(result.residual),
         "flow": None if result.flow is None else flow_section(result.flow),
         "certificate": judged,
         "branches": [
-            {"stent": stent.number, **branch_section(branch, lumen_into(branch, stent), units)}
+            branch_facts(stent.number, branch, lumen_into(branch, stent), units)
             for stent in result.told.stents
             for branch in stent.branches
         ],
@@ -197,40 +193,6 @@ def plan_report(
         "definitions": DEFINITIONS,
     }
     return Report(sections, picture)
-
-
-def _stent_section(
-    stent: TreatedStent, lesions: Sequence[TreatedLesion] | None, units: str
-) -> dict[str, Any]:
-    chosen, axis = stent.stent, stent.axis
-    name = {"name": chosen.name} if chosen.name else {}
-    return {
-        "number": stent.number,
-        **name,
-        "device": device_section(chosen.device),
-        **redilation_section(chosen, stent.again),
-        **diameters_section(stent, lesions),
-        "shape": shape_section(stent),
-        "nominal_length_mm": axis.nominal_length,
-        "deployed_length_mm": axis.deployed_length,
-        "foreshortening_fraction": chosen.foreshortening,
-        "foreshortening_reason": shortening_reason(chosen),
-        "placement": type(chosen.placement).__name__,
-        "axis": {
-            "start_mm": axis.points[0],
-            "end_mm": axis.points[-1],
-            # As in the file, to find them there.
-            "start": axis.points[0] / MILLIMETERS[units],
-            "end": axis.points[-1] / MILLIMETERS[units],
-            "units": units,
-            "length_mm": axis.deployed_length,
-            "chord_mm": axis.chord,
-            "min_bend_radius_mm": axis.minimum_bend_radius(chosen.radius),
-        },
-        "moved_points": stent.moved_points,
-        "lesions": lesions and [one.number for one in lesions if stent.number in one.stents],
-        "diameters": stent_diameters(stent),
-    }
 
 
 def _inputs(result: PlanResult) -> list[dict[str, Any]]:

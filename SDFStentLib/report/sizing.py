@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ..stent import Device, OfStent, Stent
+from ..stent import Device, Stent
 from ..treatment import (
     SEEN_RATIOS,
     Seen,
     SizeRatios,
     Suggestion,
-    TreatedLesion,
-    TreatedStent,
-    treated_ratios,
 )
 from ..vessel import HealthyPlace
-from .facts import RATIOS, TO_HEALTHY
-from .words import UNKNOWN, millimeters, number_text, size_words
+from .facts import Fact, Facts
+from .words import UNKNOWN, number_text
+
+TO_HEALTHY = "Stent : healthy vessel"
+NARROWEST, PROXIMAL, DISTAL = "where that is narrowest", "at the proximal end", "at the distal end"
 
 
 def suggestion_sentences(suggestion: Suggestion, devices: Sequence[Device] = ()) -> list[str]:
@@ -102,7 +102,9 @@ def ratio_sentence(ratios: SizeRatios) -> str:
     told = [
         f"{ratios.diameter / width:.2f} {where} ({width:.1f} mm)"
         for where, width in zip(
-            RATIOS.values(), (healthy.narrowest, healthy.proximal, healthy.distal), strict=True
+            (NARROWEST, PROXIMAL, DISTAL),
+            (healthy.narrowest, healthy.proximal, healthy.distal),
+            strict=True,
         )
         if not math.isnan(width)
     ]
@@ -128,14 +130,6 @@ SOURCES = _seen()
 """Ranges and medians."""
 
 
-def stent_ratio_sentences(
-    treated: TreatedStent, lesions: Sequence[TreatedLesion] | None
-) -> list[str]:
-    """The ratios of a stent to its vessel and its tightest lesion; none where none is known."""
-    ratios = treated_ratios(treated, lesions)
-    return [] if math.isnan(ratios.adjacent_diameter) else [ratio_sentence(ratios)]
-
-
 def suggestion_section(suggestion: Suggestion, devices: Sequence[Device] = ()) -> dict[str, Any]:
     """A proposal as values of JSON; `devices` as of `suggestion_sentences`."""
     lesion, stent = suggestion.lesion, suggestion.stent
@@ -156,21 +150,27 @@ def suggestion_section(suggestion: Suggestion, devices: Sequence[Device] = ()) -
         "rule": suggestion.rule,
         "recoil_reason": balloon.reason,
         "product": _product_sentences(stent, devices),
-        **ratio_section(suggestion.ratios),
+        **Facts(ratio_facts(suggestion.ratios)).as_dict(),
         "warnings": [caution.sentence() for caution in suggestion.cautions()],
     }
 
 
-def ratio_section(ratios: SizeRatios) -> dict[str, Any]:
-    """The ratios as a report has them; none to no stenosis."""
-    found = {
-        "stent_to_adjacent": ratios.stent_to_adjacent,
-        "stent_to_proximal": ratios.diameter / ratios.healthy.proximal,
-        "stent_to_distal": ratios.diameter / ratios.healthy.distal,
-    }
+def ratio_facts(ratios: SizeRatios) -> Iterator[Fact]:
+    """The ratios of a stent; none to no stenosis."""
+    healthy = ratios.healthy
+    for key, where, one in (
+        ("adjacent", NARROWEST, ratios.stent_to_adjacent),
+        ("proximal", PROXIMAL, ratios.diameter / healthy.proximal),
+        ("distal", DISTAL, ratios.diameter / healthy.distal),
+    ):
+        yield _ratio(f"stent_to_{key}", f"{TO_HEALTHY} {where}", one)
     if not math.isnan(ratios.stenosis_diameter):
-        found["balloon_to_stenosis"] = ratios.balloon_to_stenosis
-    return found
+        yield _ratio("balloon_to_stenosis", "Balloon : stenosis", ratios.balloon_to_stenosis)
+
+
+def _ratio(key: str, label: str, value: float) -> Fact:
+    words = number_text(value, 2) if math.isfinite(value) else ""
+    return Fact(key, label, after=value, words=words)
 
 
 def _diameter(side: HealthyPlace | None) -> float | None:
@@ -181,46 +181,11 @@ def _side(side: HealthyPlace | None) -> str:
     return UNKNOWN if side is None else f"{side.diameter:.2f} mm"
 
 
-DIAMETERS = {
-    "balloon_diameter_mm": "Balloon diameter",
-    "lumen_diameter_mm": "Prescribed lumen diameter",
-    "reference_diameter_mm": "Reference diameter of the lesion",
-}
-"""The three of a stent, as its section has them."""
-
-Covered = Sequence[TreatedLesion] | None
-
-
-def diameters_section(treated: TreatedStent, lesions: Covered) -> dict[str, Any]:
-    """The diameters of the lumen, of the balloon and of the healthy vessel, mm; null if unknown.
-
-    The reference is that of the tightest of the lesions that the stent covers.
-    """
-    stent, balloon = treated.stent, treated.stent.balloon
-    return {
-        "lumen_diameter_mm": stent.diameter,
-        "balloon_diameter_mm": None if balloon is None else balloon.diameter,
-        "recoil_fraction": None if balloon is None else balloon.recoil_fraction,
-        "recoil_reason": None if balloon is None else balloon.reason,
-        "reference_diameter_mm": _reference(_covered(treated, lesions)),
-        **ratio_section(treated_ratios(treated, lesions)),
-    }
-
-
-def redilation_section(stent: Stent, again: int | None) -> dict[str, Any]:
-    """Which stent it is once more, and which later one is this once more, where there are."""
-    placement = stent.placement
-    earlier = {"redilates": placement.number} if isinstance(placement, OfStent) else {}
-    return earlier if again is None else {**earlier, "dilated_again_as": again}
-
-
-def stent_balloon_sentences(treated: TreatedStent, lesions: Covered) -> list[str]:
-    """Balloon, lumen and reference in one sentence; none for a stent whose lumen was given."""
-    return balloon_sentences(treated.stent, _reference(_covered(treated, lesions)))
-
-
 def balloon_sentences(stent: Stent, reference: float | None) -> list[str]:
-    """The same of a stent that is planned; `reference` in mm, None where it is not known."""
+    """Balloon, lumen and reference, mm, in one sentence; none for a stent whose lumen was given.
+
+    `reference` is None where it is not known.
+    """
     balloon = stent.balloon
     if balloon is None:
         return []
@@ -229,32 +194,3 @@ def balloon_sentences(stent: Stent, reference: float | None) -> list[str]:
         f"Balloon {round(balloon.diameter, 2):g} mm, lumen {stent.diameter:.2f} mm after recoil of "
         f"{round(100 * balloon.recoil_fraction, 1):g} % ({balloon.reason}), reference {known}."
     ]
-
-
-def _covered(treated: TreatedStent, lesions: Covered) -> list[TreatedLesion]:
-    return [one for one in lesions or () if treated.number in one.stents]
-
-
-def _reference(covered: Sequence[TreatedLesion]) -> float | None:
-    return covered[0].before.reference_diameter if covered else None
-
-
-def balloon_rows(stent: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Name and value of balloon, lumen and reference of a report's stent."""
-    balloon, lumen = stent["balloon_diameter_mm"], size_words(stent["lumen_diameter_mm"])
-    rows = [("Redilation", f"of stent {stent['redilates']}")] if "redilates" in stent else []
-    if balloon is not None:
-        recoil = f"{100 * stent['recoil_fraction']:g} % of the balloon"
-        lumen = millimeters(stent["lumen_diameter_mm"])
-        rows.append((DIAMETERS["balloon_diameter_mm"], millimeters(balloon)))
-        rows.append(("Recoil", f"{recoil}: {stent['recoil_reason']}"))
-    rows.append((DIAMETERS["lumen_diameter_mm"], lumen))
-    if stent["reference_diameter_mm"] is not None:
-        reference = millimeters(stent["reference_diameter_mm"])
-        rows.append((DIAMETERS["reference_diameter_mm"], reference))
-    labels = {key: f"{TO_HEALTHY} {where}" for key, where in RATIOS.items()}
-    for key, words in {**labels, "balloon_to_stenosis": "Balloon : stenosis"}.items():
-        ratio = stent.get(key)
-        if ratio is not None:
-            rows.append((words, number_text(ratio, 2)))
-    return rows

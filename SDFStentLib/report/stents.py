@@ -1,18 +1,23 @@
-"""Which stent was deployed, and what a report's page tells of it: plain text, nothing escaped."""
+"""What is told of a treated stent: documents, pages, tables, lines and tiles are made of this."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..plan import to_document
 from ..stent import OfStent, Stent
-from ..treatment import TreatedStent
-from .devices import section_device_rows
-from .sizing import balloon_rows
+from ..treatment import SizeRatios, TreatedLesion, TreatedStent, TreatmentResult, treated_ratios
+from ..units import MILLIMETERS
+from .branches import again_words, beside_facts
+from .devices import device_facts, device_sentences
+from .diameters import lumen_facts, prescribed_words
+from .facts import COMPARED, LINES, Fact, Facts, size
+from .sizing import balloon_sentences, ratio_facts, ratio_sentence
 from .words import millimeters, number_text, plain_text, point_words, size_words
 
-_PLACEMENTS = {
+PLACEMENTS = {
     "AtCenter": "by its middle",
     "AtDistalEnd": "by its distal end",
     "AtProximalEnd": "by its proximal end",
@@ -21,87 +26,161 @@ _PLACEMENTS = {
     "OfStent": "where the earlier one lies",
 }
 
+CUT = 0.1
+"""By so much less than prescribed, mm, a stent is told to be cut; as its warning has it."""
 
-def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Such as "Stent 1 of 2: main"; one stent alone has no number.
+Lesions = Sequence[TreatedLesion] | None
 
-    Stents of the plan that are switched off are not in a report: the numbers are then those of
-    the plan, as in the warnings.
+
+def stent_facts(
+    treated: TreatedStent, lesions: Lesions, units: str = "mm", frame: str | None = None
+) -> Facts:
+    """Everything that is known of one treated stent.
+
+    Parameters
+    ----------
+    treated : TreatedStent
+    lesions : sequence of TreatedLesion or None
+        Of the vessel; None where none were looked for.
+    units, frame : str
+        Of the file of the surface, in which its ends are told, too.
     """
-    numbers = [stent["number"] for stent in stents]
-    if numbers != [*range(1, len(stents) + 1)]:
-        titles = [f"Stent {number} of the plan" for number in numbers]
-    elif len(stents) > 1:
-        titles = [f"Stent {number} of {len(stents)}" for number in numbers]
-    else:
-        titles = ["Stent"] * len(stents)
-    return [
-        f"{title}: {stent['name']}" if stent.get("name") else title
-        for title, stent in zip(titles, stents, strict=True)
-    ]
-
-
-def stent_words(stent: Mapping[str, Any]) -> str:
-    """Size and placement in one sentence."""
-    size, length = size_words(stent["lumen_diameter_mm"]), stent["deployed_length_mm"]
-    words = (
-        f"Stent of {size} x {millimeters(length, 1)}{_packed_words(stent)}, placed {_placed(stent)}"
+    covered = [one for one in lesions or () if treated.number in one.stents]
+    ratios = treated_ratios(treated, lesions)
+    return Facts(
+        (
+            Fact("number", after=treated.number, column="stent"),
+            Fact("name" if treated.stent.name else "", after=treated.stent.name, column="name"),
+            *device_facts(treated.stent.device),
+            *_sizes(treated, covered),
+            *ratio_facts(ratios),
+            *_shape(treated),
+            *_lengths(treated),
+            *_place(treated, units, frame),
+            *_reach(treated, None if lesions is None else covered),
+            *lumen_facts(treated),
+            *_compared(treated.stent, covered, ratios),
+            *beside_facts(treated),
+        )
     )
-    again = stent.get("dilated_again_as")
-    return f"{words}, dilated again as stent {again}." if again else f"{words}."
 
 
-def _placed(stent: Mapping[str, Any]) -> str:
-    return _PLACEMENTS[stent["placement"]]
+def measured_facts(treated: TreatedStent) -> Facts:
+    """What came of one treated stent, of those: how wide it is, and what lies beside it."""
+    return Facts((*lumen_facts(treated), *beside_facts(treated)))
 
 
-def _packed_words(stent: Mapping[str, Any]) -> str:
-    """How long it was before it shortened, and why it did; empty where it did not."""
-    share = stent["foreshortening_fraction"]
-    if not share:
-        return ""
-    change = f"{number_text(100 * abs(share), 0)} % {'shorter' if share > 0 else 'longer'}"
-    packed = millimeters(stent["nominal_length_mm"], 1)
-    return f" (packed {packed}, {change} once expanded: {stent['foreshortening_reason']})"
+def _sizes(treated: TreatedStent, covered: Sequence[TreatedLesion]) -> Iterable[Fact]:
+    stent, balloon = treated.stent, treated.stent.balloon
+    words, placed = deployed_words(treated), PLACEMENTS[type(stent.placement).__name__]
+    again = "" if treated.again is None else f", {again_words(treated.again)}"
+    yield Fact("_deployed", words=words + again)
+    yield Fact("_whole", words=f"{words[:1].upper()}{words[1:]}, placed {placed}{again}.")
+    if isinstance(stent.placement, OfStent):
+        earlier = stent.placement.number
+        yield Fact("redilates", "Redilation", after=earlier, words=f"of stent {earlier}")
+    if treated.again is not None:
+        yield Fact("dilated_again_as", after=treated.again)
+    yield Fact(
+        "lumen_diameter_mm",
+        "Prescribed lumen diameter",
+        after=stent.diameter,
+        unit="mm",
+        words=(size_words if balloon is None else millimeters)(stent.diameter),
+        level=COMPARED,
+        column="diameter_mm",
+    )
+    yield Fact(after=float(stent.widest_diameter), column="widest_diameter_mm")
+    inflated = None if balloon is None else balloon.diameter
+    yield size("balloon_diameter_mm", "Balloon diameter", inflated, level=COMPARED)
+    yield Fact(after=math.nan if inflated is None else float(inflated), column="balloon_mm")
+    share, reason = (None, None) if balloon is None else (balloon.recoil_fraction, balloon.reason)
+    words = "" if share is None else f"{100 * share:g} % of the balloon: {reason}"
+    yield Fact("recoil_fraction", "Recoil", after=share, words=words)
+    yield Fact("recoil_reason", after=reason)
+    reference = covered[0].before.reference_diameter if covered else None
+    label = "Reference diameter of the lesion"
+    yield size("reference_diameter_mm", label, reference, level=COMPARED)
 
 
-def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Name and value of everything about a stent but its diameters.
+def _shape(treated: TreatedStent) -> Iterable[Fact]:
+    """What makes it no cylinder, with the profile that came of it; null for a cylinder."""
+    shape, profile = treated.stent.shape, treated.axis.profile
+    if shape is None or profile is None:
+        yield Fact("shape")
+        return
+    document = to_document(shape)
+    yield Fact(
+        "shape",
+        after={
+            "cap_height": shape.cap_height,
+            **document,
+            "fractions": profile.fractions,
+            "diameters_mm": profile.diameters,
+        },
+    )
+    if waist := document.get("waist"):
+        yield Fact("", "Waist", words=millimeters(waist["diameter"]))
+    for key, words in (("start", "Proximal end"), ("end", "Distal end")):
+        if end := document.get(key):
+            sizes = f"{millimeters(end['diameter'])} at the end, over {millimeters(end['length'])}"
+            yield Fact("", f"{words} of the stent", words=sizes)
+    if document.get("table"):
+        yield Fact("", "Profile", words=f"a table of {len(document['table'])} diameters")
+    span = f"{profile.diameters.min():.2f} to {profile.widest:.2f} mm"
+    yield Fact("", "Prescribed along it", words=span)
+    if shape.cap_height != 1:
+        caps = f"{number_text(shape.cap_height, 2)} of the radius"
+        yield Fact("", "Caps beyond its ends", words=caps)
 
-    Points are in the frame and the unit of the surface's file, an entry of the inputs.
-    """
-    reason = stent["foreshortening_reason"]
-    share = f"{number_text(100 * stent['foreshortening_fraction'], 0)} % of nominal length"
-    return [
-        *section_device_rows(stent["device"]),
-        *balloon_rows(stent),
-        *shape_rows(stent["shape"]),
-        ("Nominal length", millimeters(stent["nominal_length_mm"], 1)),
-        ("Deployed length along the axis", millimeters(stent["deployed_length_mm"], 1)),
-        ("Foreshortening on expansion", f"{share}, {reason}" if reason else share),
-        ("Placed", _placed(stent)),
-        *_axis_rows(stent, surface),
-        ("Surface points that it moved", plain_text("", stent["moved_points"])),
-    ]
+
+def _lengths(treated: TreatedStent) -> Iterable[Fact]:
+    axis, reason = treated.axis, shortening_reason(treated.stent)
+    lost = treated.stent.foreshortening
+    share = f"{number_text(100 * lost, 0)} % of nominal length"
+    nominal, deployed = float(axis.nominal_length), float(axis.deployed_length)
+    yield size("nominal_length_mm", "Nominal length", nominal, 1, column="length_mm")
+    label = "Deployed length along the axis"
+    yield size("deployed_length_mm", label, deployed, 1, column="deployed_length_mm")
+    yield Fact(
+        "foreshortening_fraction",
+        "Foreshortening on expansion",
+        after=lost,
+        words=f"{share}, {reason}" if reason else share,
+    )
+    yield Fact("foreshortening_reason", after=reason)
 
 
-def _axis_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tuple[str, str]]:
-    axis, frame = stent["axis"], surface["frame"]
+def _place(treated: TreatedStent, units: str, frame: str | None) -> Iterable[Fact]:
+    """How it was placed, and where it lies: points in mm and as in the file, to find them there."""
+    axis, kind = treated.axis, type(treated.stent.placement).__name__
+    yield Fact("placement", "Placed", after=kind, words=PLACEMENTS[kind])
     where = f"x, y, z{f', {frame}' if frame else ''}"
-    ends = (("start_mm", "Proximal end"), ("end_mm", "Distal end"))
-    return [
-        *((f"{words} ({where})", point_words(axis[key], axis["units"])) for key, words in ends),
-        ("Straight distance of its ends", millimeters(axis["chord_mm"], 1)),
-        ("Tightest bend of its axis", _bend_text(stent)),
-    ]
+    for name, label, point in (
+        ("start", "Proximal end", axis.points[0]),
+        ("end", "Distal end", axis.points[-1]),
+    ):
+        yield Fact(
+            f"axis.{name}_mm",
+            f"{label} ({where})",
+            after=point,
+            words=point_words(point, units),
+            column=f"{name}_{{}}_mm",
+        )
+        yield Fact(f"axis.{name}", after=point / MILLIMETERS[units])
+    yield Fact("axis.units", after=units)
+    yield Fact("axis.length_mm", after=axis.deployed_length)
+    yield size("axis.chord_mm", "Straight distance of its ends", axis.chord, 1)
+    radius = axis.minimum_bend_radius(treated.stent.radius)
+    words = _bend_words(radius, treated.stent.diameter, axis.deployed_length)
+    yield Fact("axis.min_bend_radius_mm", "Tightest bend of its axis", after=radius, words=words)
 
 
-def _bend_text(stent: Mapping[str, Any]) -> str:
+def _bend_words(radius: float, diameter: float, length: float) -> str:
     """The radius, and over which length of the axis it was found: it depends on that."""
-    radius, diameter = stent["axis"]["min_bend_radius_mm"], stent["lumen_diameter_mm"]
-    if radius is None:
+    if not math.isfinite(radius):
         return "none, the axis is straight"
-    window = min(diameter, stent["axis"]["length_mm"]) / 2
+    window = min(diameter, length) / 2
     return (
         f"radius {millimeters(radius, 1)}, of the circle through three points of the axis that are "
         f"{millimeters(window, 1)} apart "
@@ -109,53 +188,23 @@ def _bend_text(stent: Mapping[str, Any]) -> str:
     )
 
 
-def shape_section(treated: TreatedStent) -> dict[str, Any] | None:
-    """What makes a stent no cylinder, with the profile that came of it; None for a cylinder."""
-    shape, profile = treated.stent.shape, treated.axis.profile
-    if shape is None or profile is None:
-        return None
-    return {
-        "cap_height": shape.cap_height,
-        **to_document(shape),
-        "fractions": profile.fractions,
-        "diameters_mm": profile.diameters,
-    }
+def _reach(treated: TreatedStent, covered: Lesions) -> Iterable[Fact]:
+    """What it moved, and the lesions that it covers."""
+    moved = treated.moved_points
+    label = "Surface points that it moved"
+    yield Fact("moved_points", label, after=moved, words=plain_text("", moved))
+    yield Fact("lesions", after=covered and [one.number for one in covered])
 
 
-def prescribed_words(treated: TreatedStent) -> str:
-    """The prescribed diameter, or the smallest and the largest one."""
-    profile = treated.axis.profile
-    if profile is None or profile.diameters.min() == profile.widest:
-        return f"{round(treated.stent.diameter, 2):g} mm"
-    return f"{profile.diameters.min():.2f} to {profile.widest:.2f} mm"
-
-
-def shape_rows(shape: Mapping[str, Any] | None) -> list[tuple[str, str]]:
-    """Name and value of what makes a stent no cylinder."""
-    if shape is None:
-        return []
-    rows = []
-    waist = shape.get("waist")
-    if waist:
-        rows.append(("Waist", millimeters(waist["diameter"])))
-    for key, words in (("start", "Proximal end"), ("end", "Distal end")):
-        end = shape.get(key)
-        if end:
-            sizes = f"{millimeters(end['diameter'])} at the end, over {millimeters(end['length'])}"
-            rows.append((f"{words} of the stent", sizes))
-    if shape.get("table"):
-        rows.append(("Profile", f"a table of {len(shape['table'])} diameters"))
-    diameters = shape["diameters_mm"]
-    rows.append(("Prescribed along it", f"{min(diameters):.2f} to {max(diameters):.2f} mm"))
-    if shape["cap_height"] != 1:
-        rows.append(
-            ("Caps beyond its ends", f"{number_text(shape['cap_height'], 2)} of the radius")
-        )
-    return rows
-
-
-CUT = 0.1
-"""By so much less than prescribed, mm, a stent is told to be cut; as its warning has it."""
+def _compared(stent: Stent, covered: Sequence[TreatedLesion], ratios: SizeRatios) -> Iterable[Fact]:
+    """Sentences on how device, balloon and vessel compare."""
+    reference = covered[0].before.reference_diameter if covered else None
+    for sentence in (
+        *device_sentences(stent),
+        *balloon_sentences(stent, reference),
+        *([] if math.isnan(ratios.adjacent_diameter) else [ratio_sentence(ratios)]),
+    ):
+        yield Fact(words=sentence, level=LINES)
 
 
 def shortening_reason(stent: Stent) -> str | None:
@@ -189,3 +238,38 @@ def deployed_words(treated: TreatedStent) -> str:
         if axis.deployed_length < axis.prescribed_length - CUT:
             told.append(f"of {axis.prescribed_length:.1f} mm the rest lies beyond the centerline")
     return f"{words} ({'; '.join(told)})" if told else words
+
+
+def stent_rows(result: TreatmentResult) -> list[dict[str, Any]]:
+    """One flat row per stent, for a table: plain texts, numbers and truth values.
+
+    Lengths in mm, times in s; a number that is not known is NaN, a text empty. Every row has
+    the same columns; those of the certificate and the times are of the whole treatment.
+    """
+    judged = result.certificate
+    common = {
+        "moved_points": len(result.indices),
+        "certified": "" if judged is None else bool(judged.passed),
+        "warnings": len(result.warnings),
+        **{f"{name}_s": seconds for name, seconds in result.timings.items()},
+    }
+    return [{**stent_facts(stent, None).columns(), **common} for stent in result.stents]
+
+
+def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Such as "Stent 1 of 2: main"; one stent alone has no number.
+
+    Stents of the plan that are switched off are not in a report: the numbers are then those of
+    the plan, as in the warnings.
+    """
+    numbers = [stent["number"] for stent in stents]
+    if numbers != [*range(1, len(stents) + 1)]:
+        titles = [f"Stent {number} of the plan" for number in numbers]
+    elif len(stents) > 1:
+        titles = [f"Stent {number} of {len(stents)}" for number in numbers]
+    else:
+        titles = ["Stent"] * len(stents)
+    return [
+        f"{title}: {stent['name']}" if stent.get("name") else title
+        for title, stent in zip(titles, stents, strict=True)
+    ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..plan import PlanResult, Today
@@ -15,19 +15,17 @@ from ..treatment import (
     branches_beside,
     label_of,
 )
-from .branches import NONE_NEAR, again_words, stent_branch_sentences
-from .devices import stent_device_sentences
-from .diameters import lumen_sentence
-from .facts import CONTACT, MINIMUM, contact_fact, lumen_fact, residual_fact
+from .branches import CONTACT, NONE_NEAR, contact_words
+from .facts import GLANCE, LINES, Facts
 from .flow import flow_line, flow_section, flow_sentences
 from .lesions import (
     COVERS_NONE,
     NOT_LOOKED_FOR,
     degree_change,
+    residual_facts,
     stent_lesion_sentences,
 )
-from .sizing import stent_balloon_sentences, stent_ratio_sentences
-from .stents import deployed_words, prescribed_words
+from .stents import stent_facts
 from .words import UNKNOWN
 
 LISTED = 4
@@ -45,16 +43,18 @@ class Summary(NamedTuple):
 def deployment_summary(result: PlanResult) -> Summary:
     """The stents, and what came of them: lumen, stenosis, branches and contact."""
     stents = result.told.stents
+    facts = {one.number: stent_facts(one, result.lesions) for one in stents}
     lines = [
         *today_sentences(result.today),
-        f"{MINIMUM}: {_of_each(_final(stents), _narrowest, len(stents) > 1)}.",
+        *_at_a_glance([facts[one.number] for one in _final(stents)], len(stents) > 1),
         _stenosis(result.lesions, result.residual),
         *_told(stents, result),
     ]
     certificate = result.treatment.certificate
     if certificate is not None:
         lines.append(certificate.sentence(result.inputs.surface.units))
-    return Summary(f"Deployed: {_of_each(stents, _deployed)}.", lines)
+    deployed = {number: one.named("_deployed").words for number, one in facts.items()}
+    return Summary(f"Deployed: {_of_each(deployed)}.", lines)
 
 
 def deployment_sentences(result: PlanResult) -> Iterator[str]:
@@ -62,39 +62,50 @@ def deployment_sentences(result: PlanResult) -> Iterator[str]:
     yield from today_sentences(result.today)
     for stent in result.told.stents:
         label = label_of(result.plan.stents, stent.number)
-        for sentence in (
-            lumen_sentence(stent),
-            *stent_device_sentences(stent),
-            *stent_balloon_sentences(stent, result.lesions),
-            *stent_ratio_sentences(stent, result.lesions),
-            *stent_branch_sentences(stent),
-            *stent_lesion_sentences(result.lesions, stent.number),
-        ):
-            yield label + sentence
+        yield from (label + line for line in stent_lines(stent, result.lesions))
     if result.flow is not None:
         yield from flow_sentences(flow_section(result.flow))
     if result.treatment.certificate is not None:
         yield result.treatment.certificate.sentence(result.inputs.surface.units)
 
 
+def stent_lines(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) -> list[str]:
+    """What there is to say of a stent, a line per quantity: for shell and panel."""
+    told = [
+        f"{one}." if one.label else str(one)
+        for one in stent_facts(stent, lesions).at(LINES)
+        if (one.was and one.is_known) or not one.label
+    ]
+    return [*told, *stent_lesion_sentences(lesions, stent.number)]
+
+
+def _at_a_glance(stents: Sequence[Facts], are_several: bool) -> Iterator[str]:
+    """A line per fact that is told first, of all stents."""
+    for label in dict.fromkeys(fact.label for one in stents for fact in one.at(GLANCE)):
+        found = {
+            one.value("number"): fact.change
+            for one in stents
+            for fact in one.at(GLANCE)
+            if fact.label == label
+        }
+        yield f"{label}: {_of_each(found, are_several)}."
+
+
 def _told(stents: Sequence[TreatedStent], result: PlanResult) -> list[str]:
     """Branches and contact, in one line where pressures, which were asked for, need the other."""
-    contact = _of_each([one for one in stents if _loose(one)], _loose, len(stents) > 1)
+    loose = {one.number: words for one in stents if (words := contact_words(one.apposition))}
+    contact = _of_each(loose, len(stents) > 1)
     beside = [_branches(stents), *([f"{CONTACT}: {contact}."] if contact else [])]
     if result.flow is None:
         return beside
     return [" ".join(beside), flow_line(flow_section(result.flow))]
 
 
-def _of_each(
-    stents: Sequence[TreatedStent],
-    fact: Callable[[TreatedStent], str],
-    is_numbered: bool | None = None,
-) -> str:
-    is_numbered = len(stents) > 1 if is_numbered is None else is_numbered
-    return _listed(
-        [f"stent {one.number}: {fact(one)}" if is_numbered else fact(one) for one in stents], "; "
-    )
+def _of_each(words: Mapping[int, str], is_numbered: bool | None = None) -> str:
+    """What there is of stents by number; of one alone without it."""
+    is_numbered = len(words) > 1 if is_numbered is None else is_numbered
+    told = [f"stent {one}: {said}" if is_numbered else said for one, said in words.items()]
+    return _listed(told, "; ")
 
 
 def _final(stents: Sequence[TreatedStent]) -> list[TreatedStent]:
@@ -107,22 +118,13 @@ def _listed(words: Sequence[str], between: str = ", ") -> str:
     return between.join([*words[:LISTED], *([f"and {more} more"] if more > 0 else [])])
 
 
-def _deployed(one: TreatedStent) -> str:
-    again = "" if one.again is None else f", {again_words(one.again)}"
-    return f"{deployed_words(one)}{again}"
-
-
-def _narrowest(one: TreatedStent) -> str:
-    return f"{lumen_fact(one.before, one.after).words}, prescribed {prescribed_words(one)}"
-
-
 def _stenosis(lesions: Sequence[TreatedLesion] | None, residual: Residual | None) -> str:
     if lesions is None:
         return NOT_LOOKED_FOR
     covered = [one for one in lesions if one.stents]
     if not covered:
         return COVERS_NONE
-    left = "" if residual is None else f" {residual_fact(residual)}."
+    left = "" if residual is None else f" {residual_facts(residual).named('words')}."
     return f"Stenosis by diameter: {_listed([degree_change(one) for one in covered], '; ')}.{left}"
 
 
@@ -159,12 +161,6 @@ def _called(branch: BranchBeside, of_several: bool, coverage: str = "") -> str:
 
 def _kind(what: str, names: Sequence[str]) -> Iterable[str]:
     return [f"{len(names)} {what}: {_listed(names)}"] if names else []
-
-
-def _loose(one: TreatedStent) -> str:
-    """How much of a stent does not touch the wall; empty where all of it does."""
-    found = one.apposition
-    return contact_fact(found).words if found is not None and found.stretches else ""
 
 
 def today_sentences(today: Today | None) -> list[str]:

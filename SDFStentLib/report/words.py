@@ -106,7 +106,7 @@ def number_text(value: float | None, digits: int) -> str:
 
 def millimeters(value: float | None, digits: int = 2, *, signed: bool = False) -> str:
     """A length with its unit."""
-    if value is None:
+    if value is None or not math.isfinite(value):
         return UNKNOWN
     sign = "+" if signed and _rounded(value, digits) > 0 else ""
     return f"{sign}{number_text(value, digits)} mm"

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,35 +114,6 @@ class TreatedStent(PlacedStent):
         """How many points of the surface it moved."""
         return len(self.result.state.indices)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The stent and the lumen along it as one flat row, see `TreatmentResult.to_dict`.
-
-        Of its branches the one that is covered most counts, and the one that lost most.
-        """
-        stent, axis, touching = self.stent, self.axis, self.apposition
-        names = [branch.name for branch in self.branches]
-        losses = [100 * one.loss for one in self.neighbors if one.is_branch]
-        return {
-            "stent": self.number,
-            "name": stent.name,
-            "device": "" if stent.device is None else stent.device.name,
-            "diameter_mm": float(stent.diameter),
-            "widest_diameter_mm": float(stent.widest_diameter),
-            "balloon_mm": math.nan if stent.balloon is None else float(stent.balloon.diameter),
-            "length_mm": float(axis.nominal_length),
-            "deployed_length_mm": float(axis.deployed_length),
-            **_corner("start", axis.points[0]),
-            **_corner("end", axis.points[-1]),
-            "lumen_before_mm": self.before.minimum,
-            "lumen_after_mm": self.after.minimum,
-            "mean_lumen_before_mm": self.before.mean,
-            "mean_lumen_after_mm": self.after.mean,
-            "free_length_mm": math.nan if touching is None else touching.free_length,
-            "branches": "; ".join(names),
-            "branch_covered_percent": _largest(100 * one.covered_share for one in self.branches),
-            "branch_loss_percent": _largest(losses),
-        }
-
 
 @dataclass(frozen=True)
 class TreatmentResult:
@@ -195,34 +164,10 @@ class TreatmentResult:
         """Those that lie in the vessel in the end: one that is dilated again once, as the last."""
         return tuple(stent for stent in self.stents if stent.again is None)
 
-    def to_dict(self) -> list[dict[str, Any]]:
-        """One flat row per stent, for a table: plain texts, numbers and truth values.
-
-        Lengths in mm, times in s; a number that is not known is NaN, a text empty. Every row has
-        the same columns; those of the certificate and the times are of the whole treatment.
-        """
-        common: dict[str, Any] = {"moved_points": len(self.indices), "certified": ""}
-        if self.certificate is not None:
-            common["certified"] = bool(self.certificate.passed)
-        common["warnings"] = len(self.warnings)
-        times = {f"{name}_s": seconds for name, seconds in self.timings.items()}
-        return [{**stent.to_dict(), **common, **times} for stent in self.stents]
-
     @cached_property
     def stretch(self) -> FaceStretch:
         """What became of every triangle."""
         return face_stretches(self.before, self.surface)
-
-
-def _largest(values: Iterable[float]) -> float:
-    """Of those that are known."""
-    return float(max(filter(math.isfinite, values), default=math.nan))
-
-
-def _corner(name: str, point: Points) -> dict[str, float]:
-    """A place (3,), mm, as three columns."""
-    pairs = zip("xyz", point.tolist(), strict=True)
-    return {f"{name}_{letter}_mm": value for letter, value in pairs}
 
 
 def switched_on(stents: Sequence[Stent]) -> list[tuple[int, Stent]]:

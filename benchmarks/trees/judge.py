@@ -95,10 +95,11 @@ def _of_command(surface: Path, line: Path) -> Sequence[Mapping[str, Any]]:
 
 def _in_process(surface: Path, line: Path) -> Sequence[Mapping[str, Any]]:
     from SDFStentLib.plan import read_input_files
-    from SDFStentLib.report import lesion_section
+    from SDFStentLib.report import lesion_facts
 
     lesions = read_input_files(str(surface), str(line)).vessel.lesions
-    return [lesion_section(number, one) for number, one in enumerate(lesions or (), start=1)]
+    told = (lesion_facts(number, one) for number, one in enumerate(lesions or (), start=1))
+    return [one.as_dict() for one in told]
 
 
 def outlets_told(folder: Path) -> int | str:

@@ -124,7 +124,7 @@ def figure(document: Mapping[str, Any]) -> Drawing:
     stents, height = document["stents"], 0
     marks: list[Mark] = []
     for title, stent in zip(stent_titles(stents), stents, strict=True):
-        stretches, again = stretches_of(document, stent), stent.get("dilated_again_as")
+        stretches, again = stretches_of(document, stent["number"]), stent.get("dilated_again_as")
         plot = diameter_plot(stent["diameters"], stretches, again)
         words = title if plot else f"{title}: no diameter could be measured"
         marks.append(Words(words, _LEFT, height + 20, 16, anchor="start", is_bold=True))
