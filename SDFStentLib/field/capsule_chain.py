@@ -20,14 +20,16 @@ from .chain_field import ChainField, Field
 from .radius_shares import RadiusShares
 
 FOLDS = ("both", "distal")
-"""Ends from which the capsules are folded, one after the other."""
+"""Ends from which the smooth minimum is folded over the capsules, one after the other."""
 
 FOLLOWED = 1.0
-"""Capsules no longer than this, mm, are what is meant, for a centerline has kinks that no stent
-follows. Source: the capsules of the paper. Longer ones are judged by these."""
+"""Length of a capsule, mm, up to which the chain itself is the axis that the stent is meant to
+follow (a centerline has kinks that no stent follows); with longer capsules a chain of this length
+is what a result is judged by. Source: the capsules of the paper."""
 
 STRAIGHT = 1e-6
-"""Change of direction over two capsules below which they have no side towards the bend."""
+"""Change of direction over two capsules, as a length of unit vectors, below which there is no
+bend."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +43,13 @@ class CapsuleChain:
     smoothing_width : float
         k of the smooth minimum, mm; 0 gives the hard minimum.
     fold : {"both", "distal"}
-        The smooth minimum depends on the order of the capsules. The mean of both orders is that
-        of the axis the other way round as well; published is the order from the distal end.
+        The smooth minimum depends on the order of the capsules. "both" is the mean of both orders
+        and stays the same for the reversed axis; the published method folds from the distal end.
     shares : RadiusShares, optional
-        Of its radius along the axis, where that is not the same everywhere; the field is.
+        Shares of the radius along the axis where it varies; the field does not depend on them.
     axis : Line, optional
-        What the stent is meant to follow, where that is more than the nodes: see `followed`.
+        The line that the stent is meant to follow where that is finer than the nodes: see
+        `followed`.
     """
 
     nodes: Points
@@ -110,12 +113,12 @@ class CapsuleChain:
 
     @cached_property
     def line(self) -> Line:
-        """Through the nodes."""
+        """The polyline through the nodes."""
         return Line(self.nodes)
 
     @property
     def followed(self) -> Line:
-        """The line by which a result is judged. Nothing is deployed by it."""
+        """The line by which a result is judged; nothing is deployed along it."""
         return self.line if self.axis is None else self.axis
 
     @property
@@ -141,16 +144,17 @@ class CapsuleChain:
 
     @cached_property
     def folding(self) -> ChainField:
-        """What evaluates the field, for points that are known to be sound."""
+        """The evaluator of the field, for points that are known to be sound."""
         if self.fold == "distal":
             return ChainField(self.nodes[::-1], self.smoothing_width, from_both_ends=False)
         return ChainField(self.undirected.nodes, self.smoothing_width, from_both_ends=True)
 
     @cached_property
     def undirected(self) -> CapsuleChain:
-        """The same field, its nodes in an order that does not depend on theirs where it may not.
+        """The same field, with an order of its nodes that does not depend on theirs where that is
+        allowed.
 
-        Only rounding depends on which order that is.
+        Only rounding depends on that order.
         """
         if self.fold == "distal" or runs_forward(self.nodes):
             return self
@@ -159,13 +163,13 @@ class CapsuleChain:
         return CapsuleChain(self.nodes[::-1], self.smoothing_width, self.fold, shares, axis)
 
     def shortfall(self, points: Points, radius: float) -> NDArray[np.float64] | float:
-        """By how much the stent's radius near points (n, 3) is below its largest one, mm."""
+        """How far the stent's radius near points (n, 3) is below its largest one, mm."""
         if self.shares is None:
             return 0.0
         return radius * (1 - self.shares.at(points, self.line))
 
     def least_radius(self, radius: float) -> float:
-        """Where the stent is narrowest, mm."""
+        """Radius of the stent where it is narrowest, mm."""
         return radius if self.shares is None else radius * float(self.shares.shares.min())
 
     def inscribed_radii(
@@ -181,9 +185,9 @@ class CapsuleChain:
 
 
 def runs_forward(points: Points) -> bool:
-    """One answer for a line and the other for it reversed; signs of coordinates come last.
+    """One answer for a line and the opposite one for its reverse; signs of coordinates count last.
 
-    So both frames of a patient, between which two coordinates change sign, get the same.
+    So both frames of a patient, between which two coordinates change sign, get the same answer.
     """
     for values in (np.abs(points), points):
         forward, backward = values.ravel(), values[::-1].ravel()
@@ -194,7 +198,8 @@ def runs_forward(points: Points) -> bool:
 
 
 def as_chain(value: Any) -> CapsuleChain:
-    """The chain that it is; `InputError` for anything else, such as the points of an axis."""
+    """The value itself if it is a `CapsuleChain`; `InputError` for all else, such as points of an
+    axis."""
     if not isinstance(value, CapsuleChain):
         raise InputError(
             f"chain: expected a CapsuleChain, got {in_short(type(value).__name__)}; "
@@ -204,7 +209,7 @@ def as_chain(value: Any) -> CapsuleChain:
 
 
 def radius_correction(chain: CapsuleChain, radius: float) -> float:
-    """How much the smooth minimum inflates the chain at a radius, mm: mean over the stent.
+    """How much the smooth minimum inflates the chain at a radius, mm, as the mean over the stent.
 
     The paper subtracts k/4 everywhere. On a real axis the inflation depends on bends, capsule
     length and radius, so it is measured: the mean difference between the true and the smooth
@@ -225,9 +230,9 @@ def radius_correction(chain: CapsuleChain, radius: float) -> float:
 
 
 def _across_bend(along: Points) -> tuple[Points, Points]:
-    """Two unit vectors (m, 3) across every capsule and each other, the first towards its bend.
+    """Two perpendicular unit vectors (m, 3) across every capsule, the first towards its bend.
 
-    So they turn with the axis. Where it is straight, the field is nearly the same all round.
+    Thus they turn with the axis. Where it is straight, the field is nearly the same all round.
     """
     # A first and a last capsule have one neighbor, an only one has none.
     padded = np.concatenate([along[:1], along, along[-1:]])

@@ -31,13 +31,13 @@ NOTHING = np.empty(0, dtype=np.int64)
 
 BLOCK_POINTS = 2048
 BLOCK_ELEMENTS = 1 << 16
-"""Points, and points times capsules, worked on at once: what fits a core's cache."""
+"""Points, and pairs of point and capsule, worked on at once: as many as fit a core's cache."""
 
 SINGLE_THREAD_SIZE = 200_000
 """Multiplications in a matrix product that BLAS does in the caller's thread."""
 
 WINDOW, WINDOW_OF_BOTH = (10.0, 5.0), (8.0, 8.0)
-"""Reach of a window before and after the nearest node, mm: nearly every point proves that."""
+"""Reach of a window before and after the nearest node, mm: nearly every point proves it enough."""
 
 BESIDE = 3
 """Capsules beside the nearest nodes among which the nearest one is looked for."""
@@ -60,7 +60,7 @@ class Field(NamedTuple):
 class ChainField:
     """The field of a chain of nodes, folded in their order or from both ends. Immutable.
 
-    Coordinates are centred on the nodes and divided by 4 k. For a capsule with middle `m`, unit
+    Coordinates are centered on the nodes and divided by 4 k. For a capsule with middle `m`, unit
     direction `u` and length `l`, the offset along it is `x = u . (p - m)`, `c` is `x` clipped to
     `l / 2`, and the squared distance is `|p - m|^2 - c (2 x - c)`. Both terms are rows of matrix
     products with the lifted point `[x, y, z, 1, |p|^2]`.
@@ -71,8 +71,8 @@ class ChainField:
         self.from_both_ends = from_both_ends
         self.nodes = nodes
         self.scale = 1 / (4 * smoothing_width) if self.is_smooth else 1.0
-        self.centre = nodes.mean(axis=0)
-        ends = (nodes - self.centre) * self.scale
+        self.center = nodes.mean(axis=0)
+        ends = (nodes - self.center) * self.scale
         axes = np.diff(ends, axis=0)
         lengths = norm(axes)
         middles = (ends[:-1] + ends[1:]) / 2
@@ -98,8 +98,8 @@ class ChainField:
         points : (n, 3) array
             mm.
         near : (n,) array, optional
-            About the nearest node of each, see `nearest_nodes`. Without it, or without smoothing,
-            all capsules are folded for every point.
+            Number of the node that is about nearest to each, see `nearest_nodes`. Without it, or
+            without smoothing, all capsules are folded for every point.
         """
         field = Field(np.empty(len(points)), np.empty((len(points), 3)), np.empty(len(points)))
         near = near if self.is_smooth else None
@@ -121,10 +121,9 @@ class ChainField:
         return distance
 
     def nearest_nodes(self, points: Points) -> tuple[NDArray[np.int32], Floats]:
-        """Number (n,), in the order of the fold, of the node nearest to each point.
+        """Number (n,) of the node nearest to each point, in the order of the fold, and a bound.
 
-        And a lower bound (n,) of the true distance to the axis, mm, that is less than half a
-        capsule too low.
+        The bound (n,) is below the true distance to the axis, mm, by less than half a capsule.
         """
         nearest, bound = np.empty(len(points), dtype=np.int32), np.empty(len(points))
         for start in range(0, len(points), BLOCK_POINTS):
@@ -137,21 +136,21 @@ class ChainField:
     def lifted(self, points: Points) -> Floats:
         """Rows x, y, z, 1 and the squared norm, in the chain's own coordinates."""
         lifted = np.empty((5, len(points)))
-        np.subtract(points.T, self.centre[:, None], out=lifted[:3])
+        np.subtract(points.T, self.center[:, None], out=lifted[:3])
         lifted[:3] *= self.scale
         lifted[3] = 1
         np.einsum("ij,ij->j", lifted[:3], lifted[:3], out=lifted[4])
         return lifted
 
     def window(self, near: NDArray[np.int32], before: int, after: int) -> slice:
-        """The capsules round some nodes, so many before and after them."""
+        """The capsules round some nodes: as many before and after them as asked for."""
         first, last = int(near.min()) - before, int(near.max()) + after
         return slice(max(0, first), min(self.count, last))
 
     def _blocks(
         self, points: Points, near: NDArray[np.int32] | None, before: int, after: int
     ) -> Iterator[tuple[slice, _Block, slice]]:
-        """Parts of the points, the one block they are worked on in, the capsules to look at."""
+        """Parts of the points, each with the reused block and the capsules to look at."""
         size = BLOCK_POINTS if near is not None else max(256, BLOCK_ELEMENTS // self.count)
         size = max(1, min(len(points), size))
         block = _Block(self, size)
@@ -164,7 +163,7 @@ class ChainField:
 
 
 class _Block:
-    """Room for the work on a block of points; it serves block after block."""
+    """Scratch arrays for the work on a block of points, used for block after block."""
 
     def __init__(self, chain: ChainField, size: int) -> None:
         self._chain = chain
@@ -173,7 +172,7 @@ class _Block:
         )
 
     def folded(self, points: Points, window: slice, field: Field, where: Any) -> NDArray[np.int64]:
-        """Write the field of some points to their places; returns the points without proof."""
+        """Write the field of some points to their places; return those that lack the proof."""
         chain = self._chain
         lifted = chain.lifted(points)
         distances, along = self._capsules(lifted, window)
@@ -208,7 +207,7 @@ class _Block:
         return NOTHING if is_proven is None else np.flatnonzero(~is_proven)
 
     def nearest(self, points: Points, window: slice) -> tuple[Floats, NDArray[np.int64]]:
-        """True distance of some points, and those without proof."""
+        """True distance of some points to the axis, and the points that lack the proof."""
         lifted = self._chain.lifted(points)
         distance = self._capsules(lifted, window)[0].min(axis=0)
         unproven = NOTHING
@@ -234,7 +233,8 @@ class _Block:
         offsets -= clipped
         offsets *= clipped
         distances -= offsets
-        # Of a point on the axis rounding decides; with the floor its slope comes out as nothing.
+        # On the axis rounding would decide; with the floor the slope of such a point comes out as
+        # 0.
         np.maximum(distances, NO_DISTANCE**2, out=distances)
         np.sqrt(distances, out=distances)
         return distances, clipped

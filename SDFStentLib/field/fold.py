@@ -1,8 +1,8 @@
 """The smooth minimum over many capsules in one pass.
 
 Source: SDFStent, arXiv 2605.22009, section 2; in pairs it is `geometry.smooth_minimum`. It depends
-on the order of the capsules, by up to some hundredths of a mm where many are nearly as near. The
-mean of the folds from both ends does not.
+on the order of the capsules, by up to some hundredths of a mm where many are almost equally near.
+The mean of the folds from both ends does not.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..validation import Floats
 
 FORGOTTEN = 1e-13
-"""Share of its begin that is left in a folded value when it counts as nothing."""
+"""Share of the value it began with below which a fold counts as having forgotten it."""
 
 
 def fold(
@@ -78,7 +78,7 @@ def fold_from_both_ends(
 ) -> tuple[Floats, NDArray[np.bool_] | None]:
     """Mean of the folds in both orders; parameters and results as for `fold`.
 
-    The room is two arrays. Of distances in the opposite order it gives the same to the last bit.
+    `room` is two arrays. Distances in the opposite order give the same to the last bit.
     """
     value, is_proven = fold(distances, weights, room[0], before, after)
     others = room[1]

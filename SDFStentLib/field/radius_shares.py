@@ -10,7 +10,7 @@ from ..geometry import Line, dot, frames, norm, product
 from ..validation import Floats, InputError, Points, as_number, read_only
 
 WALL_SPACING, WALL_RAYS = 0.5, 24
-"""Of the points that stand for the stent's surface: along it, mm, and around it."""
+"""Spacing along the stent, mm, and number around it, of the points that stand for its surface."""
 
 INSIDE = 0.999
 """Share of the radius below which a point lies inside of the stent."""
@@ -25,9 +25,9 @@ class RadiusShares:
     Attributes
     ----------
     fractions : (k,) array
-        Of the length from the proximal end, rising from 0 to 1.
+        Places as parts of the length from the proximal end, rising from 0 to 1.
     shares : (k,) array
-        Of the largest radius, above 0 and up to 1, linear in between.
+        Radius there over the largest radius, above 0 and up to 1, linear in between.
     cap_height : float
         How far the stent goes beyond its ends, over its radius there: 1 is half a sphere.
     """
@@ -53,12 +53,12 @@ class RadiusShares:
 
     @property
     def reversed(self) -> RadiusShares:
-        """Those of the same stent with its nodes the other way round."""
+        """The shares of the same stent with its nodes the other way round."""
         return RadiusShares(1 - self.fractions[::-1], self.shares[::-1], self.cap_height)
 
     @property
     def are_flattened(self) -> bool:
-        """Whether the caps beyond the ends are no half spheres."""
+        """Whether the caps beyond the ends are flatter than half spheres."""
         return self.cap_height < 1
 
     def at(self, points: Points, axis: Line) -> Floats:
@@ -67,24 +67,25 @@ class RadiusShares:
         return share * self._cap_share(points, axis) if self.are_flattened else share
 
     def along(self, fractions: Floats) -> Floats:
-        """Shares at some parts of the length."""
+        """Shares at places given as parts of the length."""
         return np.interp(fractions, self.fractions, self.shares)
 
     def inscribed(self, axis: Line, radius: float, stations: Points, *, in_caps: bool) -> Floats:
         """Radii (n,), mm, of the spheres round stations of the axis that fit into the stent.
 
-        They touch it where it is narrower beside them, or where it bends towards them. Where flat
-        caps count, spheres near the ends fit into these as well; else it is open there.
+        A sphere touches the stent where that is narrower beside it, or bends towards it. With
+        `in_caps`, spheres near the ends fit into flattened caps as well; else the ends are open.
 
         Parameters
         ----------
         axis : Line
             Through the nodes of the stent.
         radius : float
-            The largest of the stent, mm.
+            Largest radius of the stent, mm.
         stations : (n, 3) array
-            mm.
+            Centers of the spheres, mm.
         in_caps : bool
+            Whether flattened caps bound the spheres.
         """
         wall = self._wall(axis, radius, in_caps)
         return np.array([norm(wall - station).min() for station in stations])
@@ -93,7 +94,7 @@ class RadiusShares:
         """Points of the stent's surface, mm."""
         length = float(axis.arc_lengths[-1])
         even = np.linspace(0, 1, max(2, int(np.ceil(length / WALL_SPACING))) + 1)
-        # The corners of a table; a smooth profile has so many that the even places do.
+        # The corners of a tabulated profile; a smooth one has so many that even places will do.
         corners = self.fractions if len(self.fractions) < len(even) else even
         at = np.union1d(even, corners)
         centers = axis.at(at * length)
@@ -108,12 +109,13 @@ class RadiusShares:
                     ring = np.cos(angle) * own[end] * around[:, end]
                     wall.append(centers[end] + height + ring)
         points = np.concatenate(wall)
-        # In a bend a part of it lies inside of the rest.
+        # In a bend a part of the surface lies inside of the rest.
         inside = axis.nearest(points).distances < radius * self.at(points, axis) * INSIDE
         return points[~inside]
 
     def _cap_share(self, points: Points, axis: Line) -> Floats:
-        """Of the radius in the direction of points beyond an end: an ellipsoid's; 1 beside it."""
+        """Radius towards points beyond an end, over that of a half sphere: an ellipsoid's; 1
+        elsewhere."""
         share, nodes = np.ones(len(points)), axis.points
         for end, inner in (nodes[:2], nodes[:-3:-1]):
             along = (end - inner) / np.linalg.norm(end - inner)
@@ -128,10 +130,10 @@ class RadiusShares:
 
 
 def fractions_of(points: Points, axis: Line) -> Floats:
-    """Which part (n,) of an axis lies before the feet of points (n, 3), from 0 to 1.
+    """The fraction (n,) of an axis that lies before the feet of points (n, 3), from 0 to 1.
 
-    Outside of a bend all of a wedge is nearest to a single node; a steep profile would turn into
-    stairs. So a foot goes evenly from the plane across the axis at one node to that at the next.
+    On the outer side of a bend a whole wedge is nearest to a single node, and a steep profile would
+    turn into stairs. So a foot moves evenly from the plane across the axis at one node to the next.
     """
     nodes, arc, across = axis.points, axis.arc_lengths, _turning_tangents(axis)
     last = len(nodes) - 2
@@ -143,13 +145,13 @@ def fractions_of(points: Points, axis: Line) -> Floats:
     before = dot(points - nodes[segment], across[segment])
     behind = dot(nodes[segment + 1] - points, across[segment + 1])
     whole = before + behind
-    # Beyond the middle of a bend, where planes cross, the nearest place is as good as any.
+    # Beyond the center of a bend, where planes cross, the nearest place is as good as any.
     share = np.divide(before, whole, out=foot.fractions.copy(), where=whole > 0).clip(0, 1)
     return (arc[segment] + share * (arc[segment + 1] - arc[segment])) / arc[-1]
 
 
 def _turning_tangents(axis: Line) -> Points:
-    """Unit tangents (m, 3); those at the ends turn on as the axis does before them."""
+    """Unit tangents (m, 3); at the ends they go on turning as the axis does beside them."""
     nodes, found = axis.points, axis.directions.copy()
     if len(nodes) > 2:
         for end, inner in ((0, 1), (-1, -2)):

@@ -1,4 +1,4 @@
-"""Polylines and triangle surfaces: what can be said of them without knowing a vessel."""
+"""Polylines and triangle surfaces, and everything about them that needs no knowledge of vessels."""
 
 from .bends import frames as frames
 from .bends import smoothed_line as smoothed_line

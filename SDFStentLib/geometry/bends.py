@@ -1,4 +1,4 @@
-"""Frames along a line, how tightly it bends, and the line without its short bends."""
+"""Frames along a line, its tightest bend, and the line smoothed so that short bends vanish."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STEPS = 16
 MOST_STATIONS = 8_000
 
 REACH = 4.0
-"""A place counts up to so many lengths of smoothing away; what is left out is below 1e-4."""
+"""Distance, in lengths of smoothing, up to which a place counts; what is left out is below 1e-4."""
 
 
 def frames(line: Line) -> Floats:
@@ -70,19 +70,19 @@ class Bend(NamedTuple):
     radius: float
     """mm; infinity when straight."""
     point: Points
-    """(3,) where it is."""
+    """Place (3,) of the bend, mm."""
 
 
 def tightest_bend(line: Line, window: float | None = None) -> Bend:
-    """The tightest bend of a line, and where it is.
+    """The tightest bend of a line and the place of that bend.
 
     Parameters
     ----------
     line : Line
         mm.
     window : float, optional
-        Arc length (mm) from the middle to the outer ones of the three points that are compared,
-        so that jitter of a dense centerline does not count as a bend; at most half the length.
+        Arc length, mm, from the middle one of the three compared points to each outer one, so
+        that jitter of a dense centerline does not count as a bend; at most half the length.
         A corner of angle a then has the radius `window / (2 sin(a / 2))`. Default: neighbors.
 
     Returns
@@ -117,7 +117,7 @@ def tightest_bend(line: Line, window: float | None = None) -> Bend:
 
 
 def smoothed_line(line: Line, smoothing_length: float) -> Line:
-    """A line each of whose points is the mean of the line around it; both ends stay.
+    """A smoothed line: each point is the weighted mean of the line around it; both ends stay.
 
     Weights are those of a normal distribution along the arc. At its ends the line goes on as its
     own reflection in the end, so that a straight line stays as it is; an arc of radius r moves

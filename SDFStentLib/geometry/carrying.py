@@ -12,7 +12,7 @@ from .bends import frames_along
 from .line import Line
 
 WINDOW = 2.0
-"""The line's direction is that between places so far before and behind, mm."""
+"""Half the length, mm, of the chord that gives the direction of the line at its middle."""
 
 STATIONS_PER_WINDOW = 8
 MOST_STATIONS = 20_000
@@ -25,7 +25,7 @@ class _Guide(NamedTuple):
     frames: Floats
 
     def laid(self, points: Points, at: Floats) -> Points:
-        """Points (n, 3), of which x and y count, across the line at arc lengths (n,), mm."""
+        """Points (n, 3) laid across the line at arc lengths (n,), mm; only their x and y count."""
         inside = np.clip(at, 0.0, self.line.length)
         place = inside / self.line.length * (len(self.frames) - 1)
         first = np.minimum(place.astype(np.int64), len(self.frames) - 2)
@@ -55,14 +55,14 @@ def carried(
     Parameters
     ----------
     points : array_like, shape (n, 3)
-        Of the body, mm: its axis is z, its middle z = 0.
+        Points of the body, mm: its axis is z, its middle z = 0.
     line : Line
-        Where it shall lie, mm; beyond its ends it goes straight on.
+        Line along which the body is laid, mm; beyond its ends it goes straight on.
     middle : float, optional
-        Arc length of the line to which the body's middle goes, mm; that of the line's middle.
+        Arc length of the line to which the body's middle goes, mm; by default the line's middle.
     window : float
-        The line's direction is that between places so far before and behind, mm, so that a line
-        that shakes does not shake the sections.
+        Half the length, mm, of the chord that gives the line's direction, so that jitter of the
+        line does not tilt the sections.
 
     Returns
     -------
@@ -85,8 +85,9 @@ def _guide(line: Line, window: float) -> _Guide:
     reach = as_number(window, "window", unit="mm", above=0)
     count = int(np.clip(STATIONS_PER_WINDOW * total / reach, 16, MOST_STATIONS)) + 1
     at = np.linspace(0.0, total, count)
-    # Of the parabola through three places: in its middle the chord, which on an arc has the arc's
-    # direction; near the ends of the line, where the middle stays behind, what bends on.
+    # The direction is that of a parabola through three places: at its middle that of the chord,
+    # which on an arc is the arc's own; near the ends of the line, where the middle of the parabola
+    # stays behind, its slope goes on turning as the line bends.
     room = min(reach, total / 2)
     middle = np.clip(at, room, total - room)
     before, here, after = (line.at(middle + way * room) for way in (-1, 0, 1))
@@ -97,5 +98,5 @@ def _guide(line: Line, window: float) -> _Guide:
 
 def _unit(vectors: Floats) -> Floats:
     sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    # Of a line that turns back exactly there is no direction; any will do.
+    # A line that turns back exactly has no direction there; any will do.
     return np.where(sizes > 1e-12, vectors / np.maximum(sizes, 1e-12), [0.0, 0.0, 1.0])

@@ -1,4 +1,4 @@
-"""The parts of a surface, each closed: what has an inside, whatever holes and winding it has."""
+"""The parts of a surface, each closed so that it has an inside, whatever its holes and winding."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from .topology import Topology, consistently_wound, edges
 
 
 class Closing(NamedTuple):
-    """The parts that are joined by edges of two triangles, and what each of them leaves open.
+    """The parts of a surface, joined across edges of two triangles, and the rims that they leave
+    open.
 
     Attributes
     ----------
     triangles : (m, 3) array
-        Those of the surface, neighbors wound alike.
+        Triangles of the surface, neighbors wound alike.
     part : (m,) array of int
-        To which part each belongs.
+        Number of the part to which each triangle belongs.
     rims : (r, 2) array
         The edges that a part leaves open, in the direction of its triangles.
     hole : (r,) array of int
-        Round which hole each goes.
+        Number of the hole round which each rim edge goes.
     hole_part : (h,) array of int
         The part in which each hole is.
     """
@@ -72,8 +73,11 @@ def closing(triangles: Triangles, topology: Topology) -> Closing:
 
 
 def _rims(triangles: Triangles, part: Indices) -> tuple[Indices, Indices]:
-    """The boundary of every part as a chain: edges (r, 2) that its triangles do not run along as
-    often one way as the other, as often as that, and the part (r,) of each."""
+    """Open edges (r, 2) of every part, directed, and the part (r,) to which each belongs.
+
+    An edge is open where the triangles of a part do not run along it as often one way as the other;
+    it is listed once for every run that is missing.
+    """
     found, parts = edges(triangles), int(part.max()) + 1
     keys, number = np.unique(
         found.face_edges.ravel() * parts + np.repeat(part, 3), return_inverse=True
@@ -89,7 +93,7 @@ def _rims(triangles: Triangles, part: Indices) -> tuple[Indices, Indices]:
 
 
 def _rims_of_manifold(triangles: Triangles, part: Indices) -> tuple[Indices, Indices]:
-    """The same in a sixth of the time for one fan at every point, wound alike throughout.
+    """As `_rims`, in a sixth of the time, for one fan at every point and one winding throughout.
 
     Round a point the next corner of each triangle is the last of the one beside it: their numbers
     cancel where the fan is closed, and only there.

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 _BLOCK = 128
-"""Queries looked at together; each may meet some thousand triangles at the centre of a tube."""
+"""Queries looked at together; each may meet some thousand triangles at the center of a tube."""
 
 _PAIR_BLOCK = 4096
 """Pairs looked at together: their temporaries stay in the processor's cache."""
@@ -28,7 +28,7 @@ _TOUCHING = 1e-6
 """Distance, mm, below which a point counts as on a surface."""
 
 _TISSUE = 6.0
-"""Distance, mm, from which on a wall across does not matter: about where motion fades out."""
+"""Distance, mm, beyond which a wall across does not matter: about where motion fades out."""
 
 _BALLS = (0.2, 0.4, 0.8, 1.6, 3.0)
 """Radii, mm, of balls beside a place in which a wall across is looked for."""
@@ -98,15 +98,15 @@ def closest_points_on_triangles(queries: Points, corners: Floats) -> Points:
 
 
 WIDENED = 1.2
-"""A point goes along with every place of a surface that is not farther than so many times the
-nearest: between two walls, as in a crotch, with both, and with no jump anywhere."""
+"""A point follows every place of a surface up to this many times as far as the nearest one. So a
+point between two walls, as in a crotch, follows both, and its weights jump nowhere."""
 
 
 def following_weights(points: Points, triangles: Triangles, queries: Points) -> csr_array:
-    """Weights (k, n) by which places near a surface go along with its points (n, 3).
+    """Weights (k, n) with which places near a surface follow its points (n, 3).
 
-    Each goes as its nearest places of the triangles nearby do, on average: where these shift by
-    the same it shifts by that.
+    Each place moves as the nearest places of the triangles nearby do on average: where these all
+    shift alike, it shifts with them.
     """
     from scipy.sparse import coo_array  # late: it costs half a second
 
@@ -140,7 +140,10 @@ def _rows_normalized(weights: csr_array) -> csr_array:
 def _between_walls(
     weights: csr_array, points: Points, triangles: Triangles, queries: Points
 ) -> csr_array:
-    """The same, but between two walls each by its nearness: tissue there is compressed evenly.
+    """The same weights, except that a place between two walls follows each by its nearness.
+
+    So tissue between the walls is compressed evenly, as in a crotch of which one side moves towards
+    the other. Weights of 1 / d keep the order of places between two walls that do not cross.
 
     In a crotch one side moves towards the other. With weights as 1 / d a place keeps its order
     between the two, whatever these do that do not cross each other.
@@ -194,7 +197,7 @@ class SurfaceIndex:
     Parameters
     ----------
     points, triangles : (k, 3) and (m, 3) arrays
-        Known to be sound.
+        Points and triangles of the surface, known to be sound.
 
     Attributes
     ----------

@@ -30,8 +30,8 @@ def turn_signs(start: Floats, end: Floats, place: Floats) -> Indices:
 
 
 def volume_signs(corners: tuple[Floats, Floats, Floats], place: Floats) -> Indices:
-    """Whether each place (3, k) is where a triangle's normal points to (1), behind (-1) or in its
-    plane (0)."""
+    """Which side of a triangle's plane each place (3, k) is on: 1 where the normal points to, -1,
+    or 0."""
     return _signs((*corners, place), _volume, _VOLUME)
 
 

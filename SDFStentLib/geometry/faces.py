@@ -60,8 +60,8 @@ def vertex_normals(points: Points, triangles: Triangles) -> Floats:
 def signed_volume(points: Points, triangles: Triangles) -> float:
     """Volume inside a closed surface, mm^3; positive when the faces look outward.
 
-    Of an open surface: the volume of the cone over it from the centre of its points, whatever
-    that says.
+    For an open surface it is the volume of the cone over it from the mean of its corners, which has
+    no meaning of its own.
     """
     return float(_cone_volumes(points, triangles).sum())
 
@@ -152,7 +152,7 @@ def _area_vectors(points: Points, triangles: Triangles) -> Floats:
 def _cone_volumes(points: Points, triangles: Triangles) -> Floats:
     """Signed volumes (m,) of the cones over the faces from the mean of all corners.
 
-    From there, because far from the origin the cones would cancel in front of their rounding.
+    Cones from the origin would cancel to less than their rounding on a surface far from it.
     """
     corners = _corners(points, triangles)
     corners -= corners.mean(axis=(1, 2), keepdims=True)
@@ -178,7 +178,8 @@ def _unit(vectors: Floats) -> Floats:
 
 
 def _outward_flux(points: Points, triangles: Triangles, inside: Points) -> Floats:
-    """Per face: positive when its normal points away from the nearest inside point."""
+    """Flux (m,) through every face, positive where its normal points away from the nearest inside
+    point."""
     # Imported here: scipy costs half a second, which a first frame should not pay.
     from scipy.spatial import cKDTree
 
@@ -188,19 +189,19 @@ def _outward_flux(points: Points, triangles: Triangles, inside: Points) -> Float
 
 
 _SAID = 3
-"""So many parts are named one by one; of more the rest is counted."""
+"""Number of parts that are named one by one; the rest is counted."""
 
 
 @dataclass(frozen=True, eq=False)
 class NamedFaces:
-    """To which part of the model every triangle belongs, as SimVascular marks its caps and walls.
+    """The part of the model to which every triangle belongs, as SimVascular marks caps and walls.
 
     Parameters
     ----------
     ids : array_like of int, shape (m,)
-        Of the triangles.
+        Number of the part to which each triangle belongs.
     names : mapping of int to str
-        Of the parts that have one.
+        Names of the parts that have one.
 
     Raises
     ------
@@ -228,13 +229,13 @@ class NamedFaces:
         return int(kinds[np.argmax(counts)])
 
     def branch_name(self, ids: Sequence[int]) -> str:
-        """What a branch is called that leads to some parts."""
+        """Name of a branch that leads to some parts."""
         if len(ids) == 1 and ids[0] in self.names:
             return self.said(ids)
         return f"branch to {self.said(ids)}"
 
     def said(self, ids: Sequence[int]) -> str:
-        """Some parts in words, such as "face 3" or "right pulmonary artery"."""
+        """Names of some parts as words, such as "face 3" or "right pulmonary artery"."""
         words = [self.names.get(number, f"face {number}") for number in ids]
         if len(words) > _SAID:
             words = [*words[:_SAID], f"{len(words) - _SAID} more"]
@@ -242,7 +243,7 @@ class NamedFaces:
 
 
 def checked_faces(faces: NamedFaces | None, triangle_count: int) -> NamedFaces | None:
-    """The same; `InputError` where they are of another surface."""
+    """The face ids themselves; `InputError` where their number is not that of the triangles."""
     if faces is not None and len(faces.ids) != triangle_count:
         raise InputError(
             f"face ids: expected one for each of {triangle_count} triangles, got {len(faces.ids)}; "

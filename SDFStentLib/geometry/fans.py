@@ -1,4 +1,4 @@
-"""Fans: the faces round a vertex that follow each other across edges; one where it is manifold.
+"""Fans of faces that follow each other round a vertex across edges; a manifold vertex has one.
 
 Side 3 f + k of face f starts at corner 3 f + k; arrays of sides may have 32 bits.
 """

@@ -10,10 +10,10 @@ from ..validation import Flags, Floats, Triangles
 from .line import distances_to_segments
 
 CLEAR = 0.6
-"""Points inside keep so many mean sides away from the border."""
+"""Distance of inner points from the border, in mean side lengths, at least."""
 
 FLAT = 1e-9
-"""Triangles of less than this times the square of a side are none."""
+"""Area, in squares of a side length, below which a triangle is left out."""
 
 
 class FlatFill(NamedTuple):
@@ -73,7 +73,7 @@ def _contains(polygon: Floats, points: Floats) -> Flags:
 
 
 def _delaunay(polygon: Floats, inner: Floats) -> Triangles | None:
-    """Delaunay's triangles inside; None where a side of the polygon is not among theirs."""
+    """Delaunay triangles inside; None where a side of the polygon is not among their sides."""
     from scipy.spatial import Delaunay
 
     points = np.vstack([polygon, inner])
@@ -95,7 +95,8 @@ def _is_bounded_by(triangles: Triangles, count: int) -> bool:
 
 
 def _ears(polygon: Floats) -> Triangles | None:
-    """Corner after corner cut off, the best shaped first, without points inside."""
+    """Triangles from cutting off corner after corner, the best shaped first; None where none is
+    left."""
     left = list(range(len(polygon)))
     found = []
     # Ends: a corner is cut off each time, or there is none and it returns.
@@ -130,7 +131,7 @@ def _is_ear(polygon: Floats, row: Triangles, left: list[int]) -> bool:
 
 
 def _areas(points: Floats, triangles: Triangles) -> Floats:
-    """Signed, positive where they turn counterclockwise."""
+    """Signed areas, positive where the triangles turn counterclockwise."""
     first, second, third = points[triangles.T]
     (ax, ay), (bx, by) = (second - first).T, (third - first).T
     return np.asarray(ax * by - ay * bx) / 2

@@ -5,8 +5,8 @@ the signed crossings of a ray, is not 0. Jacobson, Kavan and Sorkine-Hornung 201
 10.1145/2461912.2461916, take the same number of an open surface as it is, a fraction; here every
 hole has its fan first, so that it is whole, and sharp also beside a wide opening of a short vessel.
 A ray through an edge or a vertex is taken as one beside it, the same for all triangles there
-(Edelsbrunner and Muecke 1990, doi 10.1145/77635.77639), and every sign is exact: no place is told
-wrong because of where the corners of the mesh are.
+(Edelsbrunner and Muecke 1990, doi 10.1145/77635.77639), and every sign is exact: the answer is
+never wrong because of where the corners of the mesh are.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ _BLOCK = 1 << 19
 """Pairs of query and triangle that are looked at together; some 50 MB of temporaries."""
 
 _CELLS = 256
-"""Of the raster along each side: about one triangle of a fine mesh each."""
+"""Cells of the raster along each side: each holds about one triangle of a fine mesh."""
 
 _ON = 1e-12
-"""A place so near to the surface is on it, in parts of the largest coordinate: rounding."""
+"""Distance, over the largest coordinate, up to which a place counts as on the surface: rounding."""
 
 
 class _Pairs(NamedTuple):
-    """Queries and triangles (p,) of which a vertical line through the one may meet the other."""
+    """Pairs (p,) of a query and a triangle that the vertical line through the query may meet."""
 
     query: Indices
     face: Indices
@@ -45,10 +45,10 @@ class Inside:
     ----------
     points : (n, 3) array
     corners : (3, m) array
-        The first, second and third corners of triangles, of which every part is closed, and wound
+        First, second and third corners of the triangles; every part of them is closed and wound
         alike throughout.
     part : (m,) array of int
-        To which part each triangle belongs.
+        Number of the part to which each triangle belongs.
     """
 
     def __init__(self, points: Points, corners: Triangles, part: Indices) -> None:
@@ -75,7 +75,7 @@ class Inside:
         return result
 
     def _pairs(self, queries: Floats) -> Iterator[_Pairs]:
-        """In blocks, from queries (3, k) in the order of x."""
+        """Pairs that may meet, in blocks; the queries (3, k) come in the order of x."""
         if not queries.size:
             return
         x, y, _ = queries
@@ -107,7 +107,8 @@ class Inside:
         return query[norm(nearest - places) <= self._on]
 
     def _crossings(self, queries: Floats, pairs: _Pairs) -> tuple[Indices, Indices, Indices]:
-        """Query, part, and 1 or -1 of every triangle above a query, by the side that it shows."""
+        """Query, part and sign of every triangle above a query; the sign is that of the side it
+        shows."""
         query, face = pairs
         flat = queries[:2].take(query, axis=1)
         seen = np.zeros(len(query), dtype=np.int64)
@@ -132,8 +133,8 @@ class Inside:
 def _may_hold(low: Floats, high: Floats, places: Floats) -> Flags:
     """Which boxes from low to high (2, m) are near one of some places (2, k); most hold none.
 
-    Places are counted in a raster, whose sums over any rectangle are known at once: Crow 1984, doi
-    10.1145/964965.808600.
+    Places are counted in a raster whose summed-area table gives the count in any rectangle at once:
+    Crow 1984, doi 10.1145/964965.808600.
     """
     origin, end = places.min(axis=1, keepdims=True), places.max(axis=1, keepdims=True)
     width = np.where(end > origin, end - origin, 1.0)

@@ -16,10 +16,10 @@ PAIRS_PER_BLOCK = 500_000
 """Query-segment pairs that are held in memory at a time (about 50 MB)."""
 
 SHORT, FEW = 16, 10_000
-"""Segments, and pairs, up to which all are looked at."""
+"""Numbers of segments and of pairs below which every pair is looked at."""
 
 ROUNDING = 1e-12
-"""Share of the largest square that takes part."""
+"""Rounding of a squared distance, over the largest square that takes part in it."""
 
 
 class SegmentLocations(NamedTuple):
@@ -68,9 +68,10 @@ def _nearest(starts: Floats, ends: Floats, queries: Floats) -> NDArray[np.int64]
 
 
 def _nearest_of_some(starts: Floats, ends: Floats, queries: Floats) -> NDArray[np.int64]:
-    """The same, looking only at segments that can be the nearest.
+    """As `_nearest`, looking only at segments that can be the nearest.
 
-    The square of the distance is below that of the nearer end by that of half the segment at most.
+    A segment's squared distance is less than that of its nearer end by the square of half its
+    length at most.
     """
     middle = starts.mean(axis=0)
     places = queries - middle
@@ -103,7 +104,7 @@ def distances_to_segments(queries: Floats, starts: Floats, ends: Floats) -> tupl
 
 
 MOST_SEGMENTS = 20_000
-"""Of a line that is made anew: one per 0.01 mm of 200 mm. Each is worth some ms where measured."""
+"""Most segments of a resampled line: one per 0.01 mm of 200 mm. Measuring costs some ms at each."""
 
 REPEATED = 1e-9
 """Distance up to which a point repeats the one before it, mm."""
@@ -145,7 +146,8 @@ class Line:
 
     @classmethod
     def _of(cls, points: Points) -> Line:
-        """Points that follow from those of a line are sound."""
+        """A line through points that follow from those of a sound line: they are not checked
+        again."""
         line = object.__new__(cls)
         points.setflags(write=False)
         object.__setattr__(line, "points", points)
@@ -161,12 +163,12 @@ class Line:
 
     @cached_property
     def length(self) -> float:
-        """Of the whole line, mm; 0 for a single point."""
+        """Length of the whole line, mm; 0 for a single point."""
         return float(self.pieces.sum())
 
     @cached_property
     def arc_lengths(self) -> Floats:
-        """At each of the n points, mm; 0 at the first."""
+        """Arc length at each of the n points, mm; 0 at the first."""
         return read_only(np.concatenate([[0.0], np.cumsum(self.pieces)]))
 
     @cached_property
@@ -197,7 +199,7 @@ class Line:
     def at(self, arc_length: ArrayLike) -> Floats:
         """The place (3,), or places (k, 3), at arc lengths, mm.
 
-        Below zero they count as the start, beyond the length as the end.
+        An arc length below zero counts as the start, one beyond the length as the end.
         """
         if len(self.points) == 1:
             return np.broadcast_to(self.points[0], (*np.shape(arc_length), 3)).copy()
@@ -216,7 +218,7 @@ class Line:
         return segments, np.clip(fractions, 0.0, 1.0)
 
     def nearest(self, places: Points) -> ClosestPoints:
-        """Of places (k, 3), on the line's pieces; works in blocks of bounded memory."""
+        """The nearest points of the line to places (k, 3); works in blocks of bounded memory."""
         line = self.points if len(self.points) > 1 else np.repeat(self.points, 2, axis=0)
         found = closest_on_segments(line[:-1], line[1:], places)
         at = self.arc_lengths if len(self.points) > 1 else np.zeros(2)
@@ -224,7 +226,7 @@ class Line:
         return ClosestPoints(found.points, found.distances, along, found.segments, found.fractions)
 
     def cut(self, start: float, end: float) -> Line:
-        """The part between two arc lengths, mm, with exact new ends, without repeats.
+        """The part between two arc lengths, mm, with exact new ends and without repeated points.
 
         Raises
         ------
@@ -278,7 +280,8 @@ class Line:
 
     @property
     def distinct(self) -> Indices:
-        """Indices of the points that `without_repeats` keeps; one when all of them coincide."""
+        """Indices of the points that `without_repeats` keeps; a single one when all points
+        coincide."""
         points = self.points
         if (self.pieces > REPEATED).all():
             return np.arange(len(points))
@@ -299,12 +302,12 @@ class Line:
 
 
 def as_line(value: Line | ArrayLike, name: str = "polyline") -> Line:
-    """The line that it is, or one through points (n, 3), mm; `InputError` as `Line`."""
+    """The given line, or a new one through points (n, 3), mm; `InputError` as for `Line`."""
     return value if isinstance(value, Line) else Line(value, name)
 
 
 def segment_count(length: float, spacing: float) -> int:
-    """How many segments of about that length fill a line, at least one; mm.
+    """Number of segments of about a given length, mm, that fill a line; at least one.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which of many balls come near some places, asked again and again."""
+"""An index of many balls, to ask again and again which of them come near some places."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 _SLACK = 1e-12
-"""What rounding may do to a distance, over the largest coordinate or length that takes part."""
+"""Rounding of a distance, over the largest coordinate or length that takes part in it."""
 
 _ALIKE = 1.5
-"""Balls whose radii differ by less than this factor are searched together,"""
+"""Factor between radii below which balls are searched together."""
 
 _STEPS = 64
-"""and all that are smaller than so many such factors."""
+"""Number of such factors below the largest radius from which on all smaller balls are one group."""
 
 _LEAF = 48
-"""Points in a leaf of a search tree: made and asked in three quarters of the time that SciPy's
-usual 10 take."""
+"""Points in a leaf of a search tree: building and asking it takes three quarters of the time of
+SciPy's usual 10."""
 
 
 class _Alike(NamedTuple):
@@ -37,7 +37,7 @@ class _Alike(NamedTuple):
 
 
 class Balls:
-    """Balls, prepared for many questions about which of them are near.
+    """Balls, indexed for many questions about which of them are near.
 
     Parameters
     ----------
@@ -80,8 +80,8 @@ class Balls:
         Returns
         -------
         place, ball : (p,) arrays of int
-            Sorted by place. All pairs that are near enough, and some that are less near by up to
-            the difference to the largest radius that is searched with a ball's own.
+            Sorted by place. All pairs that are near enough, and some that are too far by up to the
+            difference between a ball's radius and the largest one that is searched with it.
         """
         far = reach + _SLACK * (self._reach + np.abs(places).max(initial=0.0) + reach)
         found = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
@@ -102,15 +102,17 @@ class Balls:
 
 
 def nearest_distances(places: Points, points: Points) -> Floats:
-    """Distance (n,) from every place to the nearest of some points; at least one."""
+    """Distance (n,) from every place to the nearest of some points, of which there is at least
+    one."""
     return np.asarray(search_tree(points).query(places)[0])
 
 
 def _parts(counts: Indices) -> Indices:
-    """The part (k,) in which balls of every size are searched, from how many there are of each.
+    """Number (k,) of the group in which balls of each size are searched, from the count of each
+    size.
 
-    Sizes go down by `_ALIKE`. What is searched with larger ones is found too often, but a search of
-    its own costs something for every place: it has to be much, or much smaller.
+    Sizes go down by `_ALIKE`. Balls searched with larger ones are found too often, but a search of
+    their own costs something for every place: they have to be many, or much smaller.
     """
     part = np.zeros(len(counts), dtype=np.int64)
     first, left = 0, counts.sum() - np.cumsum(counts)
@@ -123,7 +125,8 @@ def _parts(counts: Indices) -> Indices:
 
 
 def search_tree(points: Points) -> cKDTree:
-    """Points (n, 3) that are asked a few times only: made ready as quickly as can be."""
+    """A search tree of points (n, 3), built as quickly as possible for being asked a few times
+    only."""
     # Late: scipy costs what a first frame should not pay.
     from scipy.spatial import cKDTree
 
@@ -131,7 +134,7 @@ def search_tree(points: Points) -> cKDTree:
 
 
 def _flat(lists: Sequence[list[int]]) -> tuple[Indices, Indices]:
-    """The number of the list and the value for every value of some lists."""
+    """Number of the list, and value, for every value of some lists."""
     counts = np.fromiter(map(len, lists), np.int64, len(lists))
     values = np.fromiter(chain.from_iterable(lists), np.int64, int(counts.sum()))
     return np.repeat(np.arange(len(lists)), counts), values

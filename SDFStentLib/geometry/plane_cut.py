@@ -13,27 +13,28 @@ from .rows import across, dot, product
 from .section import crossings
 
 SNAPS = (0.2, 1e-3)
-"""A point whose side is crossed so near to it, over the side's length, moves into the plane: else
-slivers come off it. The second where the first would pinch the curve."""
+"""Share of a side, between its end and the plane, below which that end moves into the plane, as
+otherwise slivers come about. The second share is used where the first would pinch the curve."""
 
 TURNED = np.cos(np.deg2rad(20.0))
-"""A point stays where it is when a triangle would turn by more on its way."""
+"""Cosine of the largest angle by which a triangle may turn; a point that would turn one by more
+stays where it is."""
 
 
 class SectionAround(NamedTuple):
     """The connected section of a surface round a point of the plane."""
 
     triangles: Indices
-    """(k,) those that it crosses."""
+    """(k,) triangles that the section crosses."""
     sides: Indices
-    """(c, 2) the ends below and above of every side that it crosses."""
+    """(c, 2) ends below and above the plane of every side that the section crosses."""
     start: Points
-    """(k, 3) where the section enters each of the triangles, mm,"""
+    """(k, 3) places where the section enters each of the triangles, mm."""
     end: Points
-    """(k, 3) and where it leaves; the lumen lies on the left, seen against the normal."""
+    """(k, 3) places where it leaves them; the lumen lies on the left, seen against the normal."""
     is_closed: bool
     area: float
-    """mm^2; of the polygon, whatever lies inside it."""
+    """Area of the polygon, mm^2, whatever lies inside it."""
 
 
 class CutSurface(NamedTuple):
@@ -42,16 +43,16 @@ class CutSurface(NamedTuple):
     points: Points
     triangles: Triangles
     sources: Indices
-    """(m,) the triangle of the surface before, of which each is a part."""
+    """(m,) triangle of the uncut surface of which each triangle is a part."""
     rim: Indices
-    """(r,) points of the cut in order, as the triangles above it are wound; empty where it would
-    touch itself."""
+    """(r,) points of the cut in order, in the winding of the triangles above; empty where the cut
+    would touch itself."""
 
 
 def section_around(
     points: Points, triangles: Triangles, origin: Points, normal: Points
 ) -> SectionAround | None:
-    """The piece of a plane section that goes round a point of the plane, whatever else it meets.
+    """The piece of a plane section that goes round a point of the plane; all others are left out.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def section_around(
     Returns
     -------
     SectionAround or None
-        Of several round the point the smallest one; None without any.
+        The smallest one of several round the point; None where there is none.
     """
     crossed = crossings(points, triangles, origin, normal)
     start, end = crossed.nodes.T
@@ -113,7 +114,7 @@ def cut_along(
 def _snapped(
     points: Points, heights: Floats, triangles: Triangles, sides: Indices, snap: float
 ) -> tuple[Points, Floats]:
-    """Points with those beside the plane in it, and heights above it, 0 for these."""
+    """Points, those beside the plane moved into it, and their heights, 0 for the moved ones."""
     low, high = sides.T
     fraction = heights[low] / (heights[low] - heights[high])
     corners = points[low] + fraction[:, None] * (points[high] - points[low])
@@ -136,7 +137,7 @@ def _snapped(
 
 
 def _turned(points: Points, moved: Points, triangles: Triangles, moving: Indices) -> Indices:
-    """Corners of the triangles that turn when some points move."""
+    """Corners of the triangles that turn too much when some points move."""
     is_moving = np.zeros(len(points), dtype=bool)
     is_moving[moving] = True
     faces = triangles[faces_at(is_moving, triangles)]
@@ -147,7 +148,7 @@ def _turned(points: Points, moved: Points, triangles: Triangles, moving: Indices
 def _divided(
     points: Points, heights: Floats, triangles: Triangles, section: SectionAround
 ) -> CutSurface:
-    """The triangles of a section, each in its parts above and below."""
+    """The surface with the triangles of a section divided into their parts above and below."""
     is_crossed = (heights[section.sides] * [-1, 1] > 0).all(axis=1)
     low, high = sides = section.sides[is_crossed].T
     fraction = (heights[low] / (heights[low] - heights[high]))[:, None]
@@ -173,7 +174,7 @@ def _divided(
 def _halves(
     corners: list[int], heights: Floats, new: dict[tuple[int, int], int]
 ) -> list[list[int]]:
-    """The polygons of a triangle above and below the plane; one in the plane counts as above."""
+    """Polygons of a triangle above and below the plane; a triangle in the plane counts as above."""
     above: list[int] = []
     below: list[int] = []
     for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
@@ -201,7 +202,8 @@ def _pieces(polygon: list[int], points: Points) -> list[list[int]]:
 
 
 def _rim(triangles: Triangles, heights: Floats, on_rim: Flags) -> Indices:
-    """Points between the triangles above and those below, in order; none if not one curve."""
+    """Points between the triangles above and those below, in order; empty unless they are one
+    curve."""
     above: list[tuple[int, int]] = []
     below: set[tuple[int, int]] = set()
     for corners in triangles[on_rim[triangles].sum(axis=1) >= 2].tolist():

@@ -1,4 +1,4 @@
-"""The numbers that a file will hold: their type, and the unit they are in."""
+"""The numbers that a file will hold: their floating type and their unit."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..validation import Flags, Floats, Indices
 
 _PRODUCT = 1 << 17
-"""Multiplications at a time; some libraries take more threads from twice as many on."""
+"""Multiplications at a time; from twice as many on, some libraries start more threads."""
 
 
 def dot(one: Floats, other: Floats) -> Floats:
@@ -26,8 +26,8 @@ def norm(vectors: Floats) -> Floats:
 def product(left: Floats, right: Floats) -> Floats:
     """The product of matrices (n, k) and (k, m), or of a matrix and a vector (k,).
 
-    In blocks for which no library of linear algebra wakes its threads: they gain nothing where k
-    is 3, and spin for longer than the product takes.
+    Worked out in blocks so small that no linear algebra library wakes its threads: these gain
+    nothing where k is 3, and spin for longer than the product takes.
     """
     if right.ndim == 1:
         return np.einsum("ij,j->i", left, right)
@@ -47,9 +47,10 @@ def product(left: Floats, right: Floats) -> Floats:
 
 
 def bits(rows: Flags) -> NDArray[np.uint8]:
-    """A bit of each of some rows (n, m) in bytes (k, m), eight to a byte, the first one highest.
+    """Rows of flags (n, m) packed into bytes (k, m): eight rows to a byte, the first in the
+    highest bit.
 
-    As `np.packbits` along the first axis, in a tenth of its time. At least one row.
+    The same as `np.packbits` along the first axis, in a tenth of its time. At least one row.
     """
     values, places = rows.view(np.uint8), (128 >> np.arange(8)).astype(np.uint8)
     parts = [values[first : first + 8] for first in range(0, len(rows), 8)]
@@ -57,7 +58,7 @@ def bits(rows: Flags) -> NDArray[np.uint8]:
 
 
 def across(directions: Floats) -> Floats:
-    """Two unit vectors (n, 2, 3) across every unit direction (n, 3), and across each other."""
+    """Two unit vectors (n, 2, 3) perpendicular to every unit direction (n, 3) and to each other."""
     axis = np.eye(3)[np.abs(directions).argmin(axis=1)]
     first = np.cross(directions, axis)
     first /= np.linalg.norm(first, axis=1)[:, None]

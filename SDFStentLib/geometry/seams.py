@@ -1,4 +1,4 @@
-"""How a surface is put together: which points are one, and which triangles come twice.
+"""How a surface is put together: which points are the same point, and which triangles repeat.
 
 Appended parts, split normals and files in pieces store the points of a seam more than once.
 """
@@ -34,7 +34,8 @@ FOLDED = np.cos(np.deg2rad(1.0))
 
 
 class Mesh:
-    """What follows from the triangles alone; surfaces that differ in their points share it."""
+    """Everything that follows from the triangles alone; surfaces that differ in their points share
+    it."""
 
     weights: csr_array | None
 
@@ -79,13 +80,13 @@ class Mesh:
 
     @cached_property
     def of_whole(self) -> Mesh:
-        """That of all triangles that belong to the surface, wall or not."""
+        """The mesh of all triangles that belong to the surface, wall or not."""
         if self.whole is self.triangles:
             return self
         return self._of(self.whole, self.cells_of_whole)
 
     def without(self, points: Points, is_apart: Flags, is_island: Flags) -> Mesh:
-        """The same without some triangles (m,): points of those apart go along with the wall."""
+        """The mesh without some triangles (m,); points of those apart follow the wall."""
         kept = np.flatnonzero(~(is_apart | is_island))
         mesh = self._of(self.triangles[kept], kept if self.cells is None else self.cells[kept])
         mesh.islands = read_only(self.triangles[is_island])
@@ -110,14 +111,14 @@ class Joined(NamedTuple):
     Attributes
     ----------
     triangles : (m, 3) array
-        Of points that are one all have the first.
+        Triangles in which points that are the same point have the number of the first.
     is_wall : (m,) array or None
-        False for what is there already: a triangle a second time, or one that has collapsed to a
-        line between points that lie on each other. None where all are wall.
+        False for a triangle that is there already, or that has collapsed to a line between points
+        that lie on each other. None where all are wall.
     copies, originals : (c,) arrays
-        Points that lie on a point of the wall without being one, ascending, and that point.
+        Points that lie on a point of the wall but are none, ascending, and that wall point.
     unshared : int
-        How many of them close a seam.
+        Number of copies that close a seam.
     """
 
     triangles: Triangles
@@ -133,9 +134,9 @@ NOTHING = np.empty(0, dtype=np.int64)
 def joined(points: Points, triangles: Triangles, given: Triangles | None = None) -> Joined:
     """Close the seams of a surface.
 
-    Free sides of triangles are joined where they lie on each other; so a seam closes, no edge
-    gets a third face, and walls that only touch stay apart. Of more than two such sides those are
-    joined across which the wall is flattest.
+    Free sides of triangles are joined where they lie on each other; so a seam closes, no edge gets
+    a third face, and walls that only touch stay apart. Where more than two such sides meet, the
+    pairs are joined across which the wall is flattest.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def joined(points: Points, triangles: Triangles, given: Triangles | None = None)
 
 
 def twins(points: Points, among: Indices) -> Indices | None:
-    """The first of some points at the coordinates of each (n,); None where no two are equal."""
+    """First one (n,) of some points with the coordinates of each; None where no two are equal."""
     own = points[among]
     # Equal coordinates have equal sums: without equal sums there is nothing to look for.
     sums = np.sort(own[:, 0] + np.e * own[:, 1] + np.pi * own[:, 2])
@@ -193,7 +194,7 @@ def _used(triangles: Triangles, count: int) -> Indices:
 
 
 def _come_again(triangles: Triangles) -> Flags:
-    """Triangles that have the same three points as one before, in any order."""
+    """Whether each triangle has the same three points as an earlier one, in any order."""
     mixed = _mixed(np.arange(int(triangles.max()) + 1))
     first, second, third = triangles.T
     sums = np.sort(mixed.take(first) + mixed.take(second) + mixed.take(third))
@@ -203,7 +204,8 @@ def _come_again(triangles: Triangles) -> Flags:
 
 
 def _mixed(numbers: Indices) -> NDArray[np.uint64]:
-    """Numbers whose sums of three are equal by chance only (SplitMix64, Steele et al. 2014)."""
+    """Scrambled numbers: sums of three of them are equal by chance only (SplitMix64, Steele et al.
+    2014)."""
     mixed = (numbers.astype(np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
     mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -211,7 +213,7 @@ def _mixed(numbers: Indices) -> NDArray[np.uint64]:
 
 
 def _lie_alike(corners: Triangles) -> Flags:
-    """Triangles that lie on one before and are turned alike.
+    """Whether each triangle lies on an earlier one and is turned the same way.
 
     Where two walls touch in faces these are turned against each other, and both stay.
     """
@@ -220,7 +222,8 @@ def _lie_alike(corners: Triangles) -> Flags:
 
 
 def _in_parts_on_others(triangles: Triangles, is_wall: Flags, twin: Indices) -> Flags:
-    """Triangles of parts of the wall that lie wholly on others before, turned either way."""
+    """Whether each triangle is of a part of the wall that lies wholly on earlier ones, turned
+    either way."""
     again = np.ones(len(triangles), dtype=bool)
     again[is_wall] = _repeated(np.sort(twin[triangles[is_wall]], axis=1))
     wall = triangles[is_wall]
@@ -230,7 +233,7 @@ def _in_parts_on_others(triangles: Triangles, is_wall: Flags, twin: Indices) -> 
 
 
 def _repeated(rows: Indices) -> Flags:
-    """Rows that are the same as one before."""
+    """Whether each row is the same as an earlier one."""
     order = np.lexsort(rows.T[::-1])
     is_repeated = np.zeros(len(rows), dtype=bool)
     is_repeated[order[1:]] = (rows[order[1:]] == rows[order[:-1]]).all(axis=1)
@@ -243,7 +246,7 @@ def _collapsed(triangles: Triangles) -> Flags:
 
 
 def _first_of_joined(points: Points, triangles: Triangles, twin: Indices) -> Indices:
-    """The first of the points that are one with each (n,)."""
+    """Number (n,) of the first among the points that are the same point as each."""
     sides, far = _free_sides(triangles)
     ends = twin[sides]
     order = np.lexsort(np.sort(ends, axis=1).T)
@@ -270,7 +273,7 @@ def _first_of_joined(points: Points, triangles: Triangles, twin: Indices) -> Ind
 
 
 def _free_sides(triangles: Triangles) -> tuple[Indices, Indices]:
-    """Sides (b, 2) of one face only, along it, and the corner (b,) of that face across."""
+    """Sides (b, 2) of one face only, in its direction, and its corner (b,) opposite of each."""
     count = int(triangles.max()) + 1
     free = boundary_edges(triangles)
     starts, ends = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
@@ -290,7 +293,8 @@ def _across(points: Points, sides: Indices, far: Indices) -> Points:
 
 
 def _flattest(group: Indices, across: Points, ends: Indices) -> Indices:
-    """Pairs (p, 2) among sides that lie on each other, the flattest first; turned alike last."""
+    """Pairs (p, 2) of sides that lie on each other: the flattest first, those
+    running alike last."""
     first, second = np.triu_indices(len(group), 1)
     first, second = group[first], group[second]
     bend = dot(across[first], across[second])

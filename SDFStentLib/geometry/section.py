@@ -18,7 +18,7 @@ from ..validation import (
 from .rows import product
 
 _REPEAT = 1e-9
-"""Corners of a section nearer to each other than this, mm, are one corner."""
+"""Distance, mm, up to which two corners of a section count as one."""
 
 
 class SectionLoop(NamedTuple):
@@ -40,13 +40,13 @@ class Crossings(NamedTuple):
     """Where a plane crosses a surface; a point in the plane counts as above it."""
 
     triangles: Indices
-    """(k,) those that are crossed."""
+    """(k,) triangles that the plane crosses."""
     sides: Indices
-    """(c, 2) the ends below and above of every side that is crossed,"""
+    """(c, 2) ends below and above the plane of every side that it crosses."""
     corners: Points
-    """(c, 3) and where."""
+    """(c, 3) places where the plane crosses these sides, mm."""
     nodes: Indices
-    """(k, 2) for each of the triangles the crossed side that goes down and the one that goes up."""
+    """(k, 2) crossed side of each triangle that goes down, and the one that goes up."""
 
 
 def plane_section(
@@ -83,7 +83,7 @@ def plane_section(
 
 
 def crossings(points: Points, triangles: Triangles, origin: Points, normal: Points) -> Crossings:
-    """Which triangles a plane crosses, and where; its normal is a unit vector."""
+    """Triangles that a plane crosses, and where it does; `normal` is a unit vector."""
     heights = product(points - origin, normal)
     is_above = heights >= 0
 
@@ -108,7 +108,7 @@ def crossings(points: Points, triangles: Triangles, origin: Points, normal: Poin
 
 
 def _chains(segments: NDArray[np.int64], count: int) -> Iterator[tuple[list[int], bool]]:
-    """Node lists of connected segments: open chains first, then loops."""
+    """Node lists of connected segments, each with whether it is a loop: open chains first."""
     at_node: list[list[int]] = [[] for _ in range(count)]
     for number, (start, end) in enumerate(segments.tolist()):
         at_node[start].append(number)

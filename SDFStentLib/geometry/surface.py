@@ -1,4 +1,4 @@
-"""A triangle surface as one value, checked and known once."""
+"""A triangle surface as one value: checked once, and what follows from it worked out once."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from .topology import Topology, VertexNeighbors
 class Surface:
     """Points joined by triangles. Immutable, checked when it is made and never again.
 
-    Points of a seam that lie on each other without being shared count as one: the triangles have
-    the first of them, and the others, its `copies`, follow it. What there is a second time is no
-    wall, and left out of the triangles; `whole` has it. Numbers of points are those given;
-    `cells` are the numbers that triangles had.
+    Points of a seam that lie on each other without being shared count as one: the triangles use the
+    first of them, and the others, its `copies`, follow it. A triangle that repeats another is no
+    wall and is left out of the triangles; `whole` has it. Points keep the numbers that were given;
+    `cells` holds the numbers that the triangles had.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Surface:
     name : str
         What to call it in messages.
     is_left_out : array_like of bool, shape (m,), optional
-        Triangles that do not count, such as ghost cells; `whole` has not got them either.
+        Triangles that do not count, such as ghost cells; they are not in `whole` either.
 
     Raises
     ------
@@ -72,12 +72,12 @@ class Surface:
         self._keep(checked, Mesh(checked, corners, is_left_out))
 
     def with_points(self, points: ArrayLike, name: str = "surface points") -> Surface:
-        """The same triangles at other places; what follows from them alone is not looked at again.
+        """A surface of the same triangles with other points; the topology is not worked out again.
 
         Raises
         ------
         InputError
-            As many points as before did not come, or they are no finite numbers.
+            Not as many points as before, or coordinates that are no finite numbers.
         """
         moved = as_patient_points(points, name)
         if moved.shape != self.points.shape:
@@ -89,50 +89,52 @@ class Surface:
 
     @property
     def whole(self) -> Surface:
-        """The same with every triangle that is in it, also what there is a second time."""
+        """The surface with every triangle that belongs to it, also those that repeat others."""
         mesh = self._mesh.of_whole
         return self if mesh is self._mesh else self._with(self.points, mesh)
 
     @property
     def cells(self) -> Indices | None:
-        """(m,) numbers that its triangles had when it was made; None where all of them count."""
+        """(m,) numbers that the triangles had when the surface was made; None where all of them
+        count."""
         return self._mesh.cells
 
     @property
     def made_of(self) -> int:
-        """How many triangles it was made of."""
+        """Number of triangles of which the surface was made."""
         return len(self._mesh.given)
 
     @property
     def unshared_points(self) -> int:
-        """How many of the copies close a seam."""
+        """Number of copies that close a seam."""
         return self._mesh.unshared
 
     @property
     def followers(self) -> Indices:
-        """(f,) points that are no wall and go along with it, such as those of its outer side."""
+        """(f,) points that are no wall but follow it, such as those of its outer side."""
         return self._mesh.followers
 
     @property
     def again_count(self) -> int:
-        """How many triangles lie on others a second time."""
+        """Number of triangles that repeat others."""
         return self._mesh.again_count
 
     @property
     def copies(self) -> Indices:
-        """(c,) points that lie on one of the wall and count as that."""
+        """(c,) points that lie on a point of the wall and count as that point."""
         return self._mesh.copies
 
     def given_numbers(self, triangles: Indices) -> Indices:
-        """The numbers that some of its triangles (k,) had when it was made."""
+        """Numbers that some triangles (k,) of the surface had when it was made."""
         return triangles if self.cells is None else self.cells[triangles]
 
     def of_given(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Rows of its triangles, from rows (k, ...) of those that it was made of."""
+        """Rows for the triangles of the surface, from rows (k, ...) for all that were given."""
         return values if self.cells is None else values[self.cells]
 
     def to_given(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Rows for all triangles that it was made of, from rows of its own; NaN or 0 elsewhere."""
+        """Rows for all triangles that were given, from rows for those of the surface; NaN or 0
+        elsewhere."""
         if self.cells is None:
             return values
         fill = np.nan if values.dtype.kind == "f" else 0
@@ -143,13 +145,13 @@ class Surface:
     def followed(
         self, indices: Indices, coordinates: Points, before: Points | None = None
     ) -> tuple[Indices, Points]:
-        """Moved points of the wall (k,) and where they are, mm, with all that goes along with them.
+        """Moved points of the wall (k,) and their new places, mm, with all points that follow them.
 
         Parameters
         ----------
         indices, coordinates : (k,) and (k, 3) arrays
         before : (n, 3) array, optional
-            From where they moved; the points of this surface.
+            Places before the move; by default the points of this surface.
         """
         mesh = self._mesh
         if mesh.weights is not None:
@@ -171,15 +173,16 @@ class Surface:
         return indices, coordinates
 
     def with_copies(self, points: Points) -> Points:
-        """Points (n, 3), mm, of which the copies are where those are that they are copies of."""
+        """Points (n, 3), mm, with every copy at the place of its original; written into the given
+        array."""
         points[self._mesh.copies] = points[self._mesh.originals]
         return points
 
     def without(self, is_apart: Flags, is_island: Flags) -> Surface:
         """The surface without some of its triangles (m,), which are in its `whole` as before.
 
-        Those apart, such as the outer side of a wall, have points that go along with the nearest
-        wall. Those of islands stay where they are.
+        Points of the triangles apart, such as the outer side of a wall, follow the nearest wall.
+        Points of islands stay where they are.
         """
         return self._with(self.points, self._mesh.without(self.points, is_apart, is_island))
 
@@ -189,12 +192,13 @@ class Surface:
         return self._mesh.islands
 
     def with_islands(self, line: Points) -> Surface:
-        """The surface with those islands behind its own triangles in which no place lies.
+        """The surface with its islands behind its own triangles, except those that hold a place of
+        a line.
 
         Parameters
         ----------
         line : (k, 3) array
-            Of an axis that is measured along, mm: what it runs through is no wall beside it.
+            Axis along which is measured, mm: an island that it runs through is no wall beside it.
         """
         if not len(self.islands):
             return self
@@ -217,12 +221,12 @@ class Surface:
 
     @property
     def topology(self) -> Topology:
-        """How the triangles hang together; looked at once for all surfaces of these triangles."""
+        """How the triangles hang together; worked out once for all surfaces of these triangles."""
         return self._mesh.topology
 
     @property
     def known_topology(self) -> Topology | None:
-        """The topology if it was looked at already. Only to choose the quicker of equal ways."""
+        """The topology if it is known already. Only for choosing the quicker of two equal ways."""
         return self._mesh.__dict__.get("topology")
 
     @property
@@ -232,7 +236,7 @@ class Surface:
 
     @property
     def neighbors(self) -> VertexNeighbors:
-        """The points that share an edge with each; looked at once as the topology is."""
+        """The points that share an edge with each point; worked out once, as the topology is."""
         return self._mesh.neighbors
 
     @property
@@ -252,12 +256,12 @@ class Surface:
 
     @cached_property
     def vertex_normals(self) -> Floats:
-        """Unit normals (n, 3) of the points, the faces' weighted with their areas."""
+        """Unit normals (n, 3) of the points: the faces' normals, weighted with their areas."""
         return read_only(vertex_normals(self.points, self.triangles))
 
     @property
     def closing(self) -> Closing:
-        """How every part of it is closed; looked at once as the topology is."""
+        """How every part of the surface is closed; worked out once, as the topology is."""
         return self._mesh.closing
 
     @cached_property
@@ -302,7 +306,8 @@ class Surface:
 
 
 def as_surface(value: Any, name: str = "surface") -> Surface:
-    """The surface that it is; `InputError` for anything else, such as an array of points."""
+    """The value itself if it is a `Surface`; `InputError` for all else, such as an array of
+    points."""
     if not isinstance(value, Surface):
         raise InputError(
             f"{name}: expected a Surface, got {in_short(type(value).__name__)}; "

@@ -56,11 +56,11 @@ class Edges(NamedTuple):
 class VertexNeighbors(NamedTuple):
     """Vertices joined to each vertex by an edge, in compressed rows.
 
-    Attributes
-    ----------
-    offsets : (n + 1,) array
-    indices : (k,) array
-        The neighbours of vertex i are `indices[offsets[i]:offsets[i + 1]]`, ascending.
+        Attributes
+        ----------
+        offsets : (n + 1,) array
+        indices : (k,) array
+    The neighbors of vertex i are `indices[offsets[i]:offsets[i + 1]]`, ascending.
     """
 
     offsets: Indices
@@ -82,8 +82,8 @@ class Topology(NamedTuple):
     boundary_edge_count, component_count : int
         Edges with one face; parts joined by edges.
     unshared_points : int
-        Points that lie on others at a seam, and are taken for one with these in all that is said
-        here. Who reads the file has to merge them.
+        Points that lie on others at a seam and count as the same point in everything else here.
+        A reader of the file has to merge them.
     """
 
     is_closed: bool
@@ -135,13 +135,13 @@ def edges(triangles: Triangles) -> Edges:
 
 
 def paired_sides(triangles: Triangles) -> Indices:
-    """`Edges.paired_sides`, without the rest."""
+    """`Edges.paired_sides` without building the rest."""
     _, sides, is_first = _sorted_sides(triangles)
     return _in_pairs(sides, np.flatnonzero(is_first)).astype(np.int64)
 
 
 def _in_pairs(sides: Indices, starts: Indices) -> Indices:
-    """(p, 2) the sides of every edge that has two, from where each edge begins among all sides."""
+    """(p, 2) sides of every edge that has two, from where each edge begins among all sides."""
     first = starts[np.diff(starts, append=len(sides)) == 2]
     return np.stack([sides[first], sides[first + 1]], axis=1)
 
@@ -195,14 +195,14 @@ def surface_topology(triangles: Triangles) -> Topology:
 
 
 def vertex_neighbors(triangles: Triangles, point_count: int | None = None) -> VertexNeighbors:
-    """Neighbours of every vertex.
+    """Neighbors of every vertex.
 
     Parameters
     ----------
     triangles : (m, 3) array
     point_count : int, optional
         Number of points; by default up to the highest index in use. Points without a triangle
-        have no neighbours.
+        have no neighbors.
     """
     start, end = triangles.ravel(), _side_ends(triangles)
     count = int(triangles.max(initial=-1)) + 1 if point_count is None else point_count
@@ -218,7 +218,7 @@ def vertex_neighbors(triangles: Triangles, point_count: int | None = None) -> Ve
 
 
 def consistently_wound(triangles: Triangles) -> tuple[Triangles, Indices]:
-    """Triangles whose neighbours all agree in winding, and the part each belongs to.
+    """Triangles whose neighbors all agree in winding, and the part to which each belongs.
 
     In each part the fewer faces are turned (the first face keeps its winding when both are as
     many). Only edges with exactly two faces carry winding across. A part that cannot be oriented
@@ -265,7 +265,8 @@ def _side_ends(triangles: Triangles) -> Indices:
 def _sorted_sides(
     triangles: Triangles,
 ) -> tuple[Indices, Sides, NDArray[np.bool_]]:
-    """Key of every triangle side by its edge, ascending; the sides in that order; first of each.
+    """Edge keys of the triangle sides, ascending; the sides in that order; whether each begins an
+    edge.
 
     Sides are numbered in 32 bits where that is enough: they are the largest arrays of a topology.
     """
@@ -276,7 +277,7 @@ def _sorted_sides(
     del second
     count = len(keys)
     if (int(keys.max()) + 1) * count < 2**63:
-        # Numbers are sorted several times quicker than what they are the numbers of.
+        # Sorting numbers is several times quicker than sorting the indices of what they number.
         keys *= count
         keys += np.arange(count)
         keys.sort()
@@ -292,6 +293,6 @@ def _sorted_sides(
 
 
 def _meeting_sides(sides: Sides, is_first: NDArray[np.bool_]) -> tuple[Sides, Sides]:
-    """Every side but the first at its edge, and the one before it there."""
+    """Every side but the first at its edge, and the side before it at that edge."""
     later = np.flatnonzero(~is_first)
     return sides[later], sides[later - 1]
