@@ -24,7 +24,7 @@ from .values import DeploymentState, DeploymentTask, away_from_wall
 from .wall_around import own_share
 
 WALL_CLEARANCE = 0.9
-"""The crimped stent never reaches beyond this share of the nearest wall's distance."""
+"""Largest radius of the crimped stent, as a share of the nearest wall's distance from the axis."""
 
 CAPS_WITHIN = 2.0
 """Distance from the stent's ends, in its radii, within which caps are looked for."""
@@ -38,7 +38,8 @@ class Attempt:
     Attributes
     ----------
     positions : (n, 3) array
-        Of the points of `motion`, mm: its own as long as it lasts, then on the finished lumen.
+        Positions of the points of `motion`, mm: its own as long as it runs, then those on the
+        finished lumen.
     """
 
     def __init__(self, task: DeploymentTask, ramp: tuple[float, float], gap: float) -> None:
@@ -56,7 +57,7 @@ class Attempt:
         nearest = float(self.motion.level[: self.wall_count].min())
         self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
         self.motion.drags = self._drags()
-        # A wall point of the stented lumen for certain; unknown without a tissue gap.
+        # A wall point that is certain to be of the stented lumen; unknown unless that is finished.
         self._nearest_own: int | None = None
         self._uncompensated = self.start
         self.relief: Relief | None = None
@@ -70,7 +71,7 @@ class Attempt:
         return run(self.motion, settings.step_rule(), self.start_radius, self.task.target_level)
 
     def state(self, level: float) -> DeploymentState:
-        """What has moved so far, in the caller's numbers."""
+        """Everything that has moved so far, in the caller's numbering."""
         task, target = self.task, self.task.target_level
         x, y, z = (self.positions != self.start).T
         moved = x | y | z
@@ -98,7 +99,7 @@ class Attempt:
         self.positions = positions
 
     def motion_check(self) -> MotionCheck:
-        """How far the wall has moved, against what the method can move."""
+        """How far the wall has moved, compared with what the method can move."""
         before, after = self.start[: self.wall_count], self.positions[: self.wall_count]
         return motion_check(before, after, self.task.capsules, self.task.radius, self._gap)
 
@@ -115,7 +116,8 @@ class Attempt:
         self._uncompensated = positions
         if not settings.facet_compensation:
             return positions
-        # What is dragged along has no edges, and the patch goes on with corners that never move.
+        # Points that are only dragged along have no edges; behind the wall, the patch has corners
+        # that never move.
         triangles = self._wall_triangles()
         wall, others = np.split(positions, [self.wall_count])
         wall = facets_compensated(self.motion, wall, triangles, on_stent, task.radius)
@@ -125,9 +127,9 @@ class Attempt:
         return np.concatenate([wall, others])
 
     def _wall_triangles(self) -> Triangles:
-        """The patch but for flat caps across the stent's ends, which are no lumen to keep wide.
+        """The patch without flat caps across the stent's ends, which are no lumen to be kept wide.
 
-        Their corners go apart to all sides; no push would bring their middle off the axis.
+        Corners of a cap move apart to all sides; no push would take its middle off the axis.
         """
         return self.patch.triangles[~self._is_cap]
 
@@ -138,7 +140,7 @@ class Attempt:
         return caps_across(self.task.surface, nodes, reach)[self.patch.faces]
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
-        """Take apart faulty faces of the surface; returns the rounds that it took."""
+        """Take apart faulty faces of the surface; return the number of rounds that it took."""
         task = self.task
         # A fault may lie in a face that is only crossed by a moved one, outside the patch.
         local = np.flatnonzero(np.isin(self.patch.faces, faulty))
@@ -182,7 +184,7 @@ class Attempt:
             np.arange(len(numbers)) < len(wall),
             np.concatenate([near_wall, near_dragged]),
         )
-        # A companion inside the expanded stent stays; a point beyond reach never moves.
+        # A companion inside the expanded stent stays where it is; a point beyond reach never moves.
         keep = motion.touchable | (motion.level >= task.target_level)
         motion.restricted(keep & (motion.level < reach))
         return motion, numbers[motion.indices]
@@ -197,7 +199,7 @@ class Attempt:
         direction = self.motion.outward[wall]
         level = self.motion.level[wall]
         normals = None
-        # What is known costs nothing; the patch costs little, the whole surface much.
+        # A known topology costs nothing; the patch costs little, the whole surface much.
         task = self.task
         may_have = task.may_have_several_parts and self.patch.has_several_parts
         if not (may_have and task.has_several_parts):
@@ -216,7 +218,7 @@ class Attempt:
             self._tissue = tissue_offset(normals, direction, ramp, 1.0)
         if not task.settings.finish:
             return
-        # The middle of a cap ahead may be nearest, and joined to no wall by free points.
+        # The middle of a cap ahead may be nearest although no free points join it to any wall.
         is_own = (self._tissue == 0) & self._is_beside()
         self._nearest_own = int(np.where(is_own, level, np.inf).argmin())
 
@@ -235,7 +237,8 @@ class Attempt:
         return is_beside
 
     def _drags(self) -> NDArray[np.bool_]:
-        """Which points drag others along in contact: those of the wall, the rims of caps too."""
+        """Whether each point in contact drags others along: wall and the rims of caps do, caps do
+        not."""
         drags = self.motion.touchable.copy()
         if self.task.settings.rule == "events" and self._is_cap.any():
             triangles = self.patch.triangles
@@ -244,9 +247,9 @@ class Attempt:
         return drags
 
     def _own_share(self, nearest: int) -> NDArray[np.float64]:
-        """How far each point of the wall is that of the stented lumen, see `own_share`.
+        """Share with which each point of the wall belongs to the stented lumen, see `own_share`.
 
-        Known is a point without tissue offset, the nearest such to the axis.
+        The point known to belong is the nearest to the axis of those without tissue offset.
         """
         tissue = np.ones(len(self.patch.vertices))
         tissue[: self.wall_count] = self._tissue
@@ -257,7 +260,7 @@ class Attempt:
 def tissue_offset(
     normals: Points, direction: Points, ramp: tuple[float, float], gap: float
 ) -> NDArray[np.float64]:
-    """Tissue (n,), mm, between the stent and walls: the more, the more they look back at it."""
+    """Tissue (n,), mm, between the stent and walls: the more they face it, the more is kept."""
     share = np.clip((-dot(normals, direction) - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
     return np.asarray(gap * share**2 * (3 - 2 * share))
 
@@ -265,7 +268,10 @@ def tissue_offset(
 def within_reach(
     points: Points, chain: CapsuleChain, reach: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    """Points whose field may be below reach, and their nearest nodes: a box first, then nodes."""
+    """Points whose field may be below a level, mm, and the nearest node of each.
+
+    Points outside of a box round the axis are skipped first.
+    """
     # The smooth distance is less than k below the true one.
     reach = reach + chain.smoothing_width
     low, high = chain.nodes.min(axis=0) - reach, chain.nodes.max(axis=0) + reach

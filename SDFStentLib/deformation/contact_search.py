@@ -1,4 +1,4 @@
-"""The nearest of the points that are in contact with the stent."""
+"""Search for the nearest of the points that are in contact with the stent."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ from ..geometry import dot, search_tree
 from ..validation import Points
 
 FEW = 32
-"""Points up to which comparing with every one is faster than a search tree."""
+"""Number of points up to which comparing with all of them is faster than a search tree."""
 
 PAIRS = 1 << 16
 """Pairs compared at once."""
 
 
 class ContactSearch:
-    """Answers which of some points is nearest; by comparison or by tree, as is faster.
+    """Finds the nearest of some points by comparison or by tree, whichever is faster.
 
     Parameters
     ----------
     points : (m, 3) array
         Points in contact, mm; at least one.
     is_exact : bool
-        Never compare by squares, whose rounding costs half of the digits of short distances.
+        Whether to use the tree always: comparison by expanded squares loses half of the digits of
+        short distances.
     """
 
     def __init__(self, points: Points, *, is_exact: bool = False) -> None:
@@ -35,10 +36,10 @@ class ContactSearch:
     def nearest(
         self, points: Points, bound: float
     ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Distance to the nearest, mm, and its number; whatever lies beyond the bound is far.
+        """Distance to the nearest point, mm, and its number; beyond the bound neither is exact.
 
-        In the caller's thread: two workers gained nothing up to 1.2 million triangles. What is
-        beyond the bound comes with its distance or with an infinite one.
+        Runs in the caller's thread: two workers gained nothing up to 1.2 million triangles. Beyond
+        the bound the distance is either the true or an infinite one.
         """
         if self._tree is not None:
             distance, number = self._tree.query(points, distance_upper_bound=bound)
@@ -54,14 +55,14 @@ class ContactSearch:
 def squared_distances(
     points: Points, others: Points
 ) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-    """Squares (k, m) of the distances to all others, part by part; by rounding below zero."""
-    centre = others.mean(axis=0)
-    local = others - centre
+    """Squared distances (k, m) to all others, part by part; rounding may make them negative."""
+    center = others.mean(axis=0)
+    local = others - center
     factors, squares = -2 * local.T, dot(local, local)
     rows = max(1, PAIRS // len(others))
     for start in range(0, len(points), rows):
         part = slice(start, start + rows)
-        local = points[part] - centre
+        local = points[part] - center
         pairs = local @ factors
         pairs += squares
         pairs += dot(local, local)[:, None]

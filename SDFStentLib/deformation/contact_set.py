@@ -1,4 +1,4 @@
-"""Who is in contact with the stent, which contact a point is tied to, and those of one step."""
+"""The points in contact with the stent, the contact each other point is tied to, and new ones."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from .contact_search import FEW, ContactSearch, squared_distances
 from .motion import CELL_SIZE, Motion
 
 SHIFTS = (1, -1, 4, -4)
-"""Places in the order, before and after a point, of the neighbors whose contacts it tries."""
+"""Offsets, in the order of the points, of the neighbors whose contacts a point tries."""
 
 
 class ContactSet:
     """Contacts, the rates of all points, and their nearest contacts; in motion order.
 
-    A point keeps its nearest contact until a new one is nearer, or that of a neighbor: both move
-    outward side by side, so that among the old ones the nearest stays so, nearly. `tied_anew`
-    looks at all of them.
+    A point keeps its nearest contact until a new one, or that of a neighbor, is nearer: point and
+    contact move outward side by side, so that the nearest of the old ones nearly stays the nearest.
+    `tied_anew` searches all of them.
 
     Attributes
     ----------
     is_held : (n,) bool array
-        In contact.
+        Whether the point is in contact.
     rate : (n,) array
         Motion per radius growth at the end of the last step.
     nearest : (n,) int array
-        The nearest contact; -1 where none is within reach.
+        Number of the nearest contact; -1 where none is within reach.
     """
 
     def __init__(self, motion: Motion) -> None:
@@ -41,7 +41,8 @@ class ContactSet:
         self._motion = motion
 
     def added(self, numbers: NDArray[np.int64], reach: float) -> None:
-        """Points have come into contact; tie to them whatever they are nearest to.
+        """Add points that have come into contact, and tie to them every point to which they are
+        nearest.
 
         `reach` is the distance, mm, beyond which a contact does not matter until the end.
         """
@@ -58,7 +59,7 @@ class ContactSet:
             self.nearest[waiting[closer]] = numbers[nearest[closer]]
 
     def tied_anew(self, reach: float) -> None:
-        """Look for the nearest contact of every point among all contacts."""
+        """Tie every point to its nearest contact, searched for among all contacts."""
         held = np.flatnonzero(self.is_held & self._motion.drags)
         if len(held):
             waiting = self.waiting()
@@ -69,7 +70,7 @@ class ContactSet:
             self.nearest[waiting[near]] = held[nearest[near]]
 
     def waiting(self) -> NDArray[np.int64]:
-        """Points that a contact may influence and that are in contact themselves not."""
+        """Points that a contact may influence and that are not in contact themselves."""
         return np.flatnonzero(self._motion.resting.awake & ~self.is_held)
 
     def compared(
@@ -91,8 +92,8 @@ class ContactSet:
     ) -> NDArray[np.float64]:
         """Distance, mm, from positions of some points to the contacts they are tied to.
 
-        Contacts are taken where they will be after a growth of the radius; infinite where there
-        is none.
+        Contacts are taken where they will be after the radius has grown by `growth`; the distance
+        is infinite where there is none.
         """
         return self._distance(self.nearest[where], positions, growth)
 
@@ -110,24 +111,25 @@ class ContactSet:
 
 
 PHASES = 8
-"""Parts of a step in which new contacts are looked at in turn; each counts from its own time.
+"""Parts of a step whose new contacts are considered one after the other.
 
 With half as many the distance to the converged limit grows by a third.
 """
 
 SHARED = 2.0
-"""Points per cell from which they share; on coarser meshes neighbors are not near enough."""
+"""Points per cell from which on they share a guess; on coarser meshes neighbors are
+too far apart."""
 
 
 class NewContacts:
-    """Points touched during a step; places are those in the middle of the step.
+    """Points touched during a step, at their places in the middle of the step.
 
     Parameters
     ----------
     points : (k, 3) array
-        mm; may be none.
+        Places, mm; may be none.
     times : (k,) array
-        Growth from the begin of the step until each was touched, mm.
+        Growth of the radius from the beginning of the step until each was touched, mm.
     growth : float
         Growth of the radius in the step, mm.
     """
@@ -139,22 +141,22 @@ class NewContacts:
 
     @cached_property
     def search(self) -> ContactSearch | None:
-        """Search among all of them; None when there are none."""
+        """A search among all new contacts; None when there are none."""
         return ContactSearch(self._points) if len(self._points) else None
 
     def excess(self, points: Points, cell: NDArray[np.int64], before: Floats) -> Floats:
-        """Mean distance to the nearest contact over the step less that at its end, (n,), mm.
+        """Mean distance (n,) to the nearest contact over the step, less that at its end, mm.
 
         A new contact that is nearer than all before it takes effect from its own time.
 
         Parameters
         ----------
         points : (n, 3) array
-            Points that a new contact is nearest to by the end, mm.
+            Points whose nearest contact is a new one at the end of the step, mm.
         cell : (n,) array
-            Numbers, ascending, of the cells that they are in; points of a cell are neighbors.
+            Numbers, ascending, of the cells of the points; points of a cell are neighbors.
         before : (n,) array
-            Distance to the nearest contact without the new ones, or its bound, mm.
+            Distance to the nearest contact without the new ones, or a bound of it, mm.
         """
         if len(self._points) <= FEW:
             return self._one_by_one(points, before)
@@ -173,16 +175,16 @@ class NewContacts:
         return excess
 
     def _by_phases(self, points: Points, cell: NDArray[np.int64], before: Floats) -> Floats:
-        """Of all contacts in one part of the step, only the nearest counts.
+        """The excess when only the nearest contact of each part of the step counts.
 
-        Neighbors on a fine mesh share which one that is: between the exact distances at both ends
-        of the step, the second nearest does as well.
+        Neighbors on a fine mesh share that contact: both ends of the step are exact, and in between
+        the second nearest does as well.
         """
         starts = np.flatnonzero(np.concatenate([[True], cell[1:] != cell[:-1]]))
         if len(points) < SHARED * len(starts):
             starts = np.arange(len(points))
         counts = np.diff(np.append(starts, len(cell)))
-        centres = np.add.reduceat(points, starts, axis=0) / counts[:, None]
+        centers = np.add.reduceat(points, starts, axis=0) / counts[:, None]
         # No neighbor is farther from the middle of a cell than its whole length.
         bound = float(before.max(initial=0)) + np.sqrt(3) * CELL_SIZE
         total, current = np.zeros(len(points)), before.copy()
@@ -191,8 +193,8 @@ class NewContacts:
         for index in range(PHASES):
             new = np.flatnonzero(phase == index)
             if len(new):
-                _, nearest = ContactSearch(self._points[new]).nearest(centres, bound)
-                # Beyond the bound no contact is found; any other is as much too far.
+                _, nearest = ContactSearch(self._points[new]).nearest(centers, bound)
+                # Beyond the bound no contact is found; any number will do, as all are too far.
                 nearest = new[np.repeat(np.minimum(nearest, len(new) - 1), counts)]
                 offset = points - self._points[nearest]
                 distance = norm(offset)

@@ -23,13 +23,14 @@ from .values import DeploymentResult, DeploymentState, DeploymentTask
 __all__ = ["Deployment", "DeploymentResult", "DeploymentState", "deploy"]
 
 GAP_RAMP = (-0.5, 0.5)
-"""Facing cosine between which the tissue gap grows from nothing to its full thickness."""
+"""Cosines of facing between which the tissue gap grows from nothing to its full thickness."""
 
 RETRIES = (((-1.0, 1.0), 1.0), (GAP_RAMP, 2.0), (GAP_RAMP, 0.5), (GAP_RAMP, 3.0))
-"""Ramps and multiples of the tissue gap that are tried in turn when a fold stays."""
+"""Ramps and multiples of the tissue gap that are tried in turn when a fold remains."""
 
 HOPELESS_FOLD = 10.0
-"""Length, mm, of a fold left by untangling from which only the first other tissue gap is tried.
+"""Length, mm, of a remaining fold from which on only the first other tissue gap is tried.
+
 
 In 450 random stents, up to four times as wide as the vessel, those that a later gap saved had at
 most 3.6 mm left; of 10 mm and more only the first saved one.
@@ -37,12 +38,12 @@ most 3.6 mm left; of 10 mm and more only the first saved one.
 
 
 class Deployment(DeploymentTask):
-    """A stent that expands in a vessel. Iterating runs it; every step stays addressable.
+    """A stent that expands in a vessel. Iterating runs it; the states of all steps are kept.
 
     Parameters
     ----------
     surface : Surface
-        Of the vessel; open or closed, any winding.
+        Surface of the vessel; open or closed, any winding.
     chain : CapsuleChain
         The stent: `CapsuleChain.along(axis)`, or `settings.chain(axis)`.
     radius : float
@@ -81,7 +82,7 @@ class Deployment(DeploymentTask):
 
     @property
     def result(self) -> DeploymentResult:
-        """The finished deployment; runs it to the end when that has not happened."""
+        """The finished deployment; runs it to the end if that has not happened yet."""
         if self._result is None:
             for _ in self:
                 pass
@@ -89,7 +90,7 @@ class Deployment(DeploymentTask):
         return self._result
 
     def _finish(self, attempt: Attempt) -> DeploymentResult:
-        """Finish the lumen; certify, and untangle or retry with other gaps when that fails."""
+        """Finish the lumen and certify it; untangle, or retry with other gaps, when that fails."""
         attempt.finish()
         verdict, rounds = None, 0
         if self.settings.certify or self.settings.untangle:
@@ -122,7 +123,7 @@ class Deployment(DeploymentTask):
         )
 
     def _with_outer_side(self, comparison: Comparison, after: Surface) -> tuple[Surface, Verdict]:
-        """The surface with what goes along with its wall, taken apart where that folds."""
+        """The surface with everything that follows its wall, taken apart where that folds."""
         verdict = comparison.verdict(after.points)
         if verdict.passed or not self.settings.untangle:
             return after, verdict
@@ -132,7 +133,7 @@ class Deployment(DeploymentTask):
     def _untangled(
         self, comparison: Comparison, attempt: Attempt, verdict: Verdict
     ) -> tuple[Attempt, Verdict, int]:
-        """The first attempt without a fault, or the one with the fewest."""
+        """The first attempt without a fault, or the one with the fewest faults."""
         rounds = attempt.untangle(verdict.failing)
         best = (attempt, self._certificate(comparison, attempt, verdict), rounds)
         is_hopeless = self._longest_fold(best[1]) >= HOPELESS_FOLD
@@ -152,7 +153,8 @@ class Deployment(DeploymentTask):
         return best
 
     def _longest_fold(self, verdict: Verdict) -> float:
-        """Largest extent along an axis, mm, of a place where faces fail; 0 where none does."""
+        """Largest extent along a coordinate axis, mm, of a place where faces fail; 0 where none
+        fails."""
         extents = (
             np.ptp(
                 verdict.stored[self.surface.triangles[list(place.triangles)].ravel()], axis=0
@@ -167,7 +169,7 @@ class Deployment(DeploymentTask):
     def _certificate(
         self, comparison: Comparison, attempt: Attempt, earlier: Verdict | None = None
     ) -> Verdict:
-        """What the certificate of an attempt will say."""
+        """The verdict that the certificate of an attempt will be made of."""
         state = attempt.state(self.target_level)
         return comparison.verdict(state.applied_to(self.surface.points), earlier)
 

@@ -1,4 +1,4 @@
-"""Wall laid over the steep places of a stent's profile, where single edges would cut through it.
+"""The wall draped over steep places of a stent's profile, where single edges would cut into it.
 
 `facets_compensated` expects a circle between two vertices. Where the profile rises or falls within
 an edge, the edge lies inside of the stent, however exactly its ends lie on it. So its ends are
@@ -19,19 +19,19 @@ from .lumen import COARSEST_CHORD, edges_on_stent, largest_push, stent_distance
 from .motion import Motion
 
 SPACING = 0.25
-"""Of the places that are looked at along the edges, mm."""
+"""Distance between the places that are checked along the edges, mm."""
 
 MOST_PLACES = 16
-"""That are looked at along an edge."""
+"""Most places that are checked along an edge."""
 
 NEGLIGIBLE = 1e-3
-"""Share of the radius by which an edge may lie inside because of the profile."""
+"""Share of the radius by which an edge may lie inside of a changing profile."""
 
 ROUNDS = 30
-"""Where one end of an edge has gone as far as it may, the other follows slowly."""
+"""Most rounds: where one end of an edge has gone as far as it may, the other follows slowly."""
 
 LEAP = 2.0
-"""Way of the nearest place on the axis, over the length of an edge, from which on it leaps."""
+"""Way of the nearest place on the axis, over the length of the edge, above which it has leapt."""
 
 
 class _Edges(NamedTuple):
@@ -46,19 +46,19 @@ class _Edges(NamedTuple):
 def draped(motion: Motion, positions: Points, triangles: Triangles, radius: float) -> Points:
     """Push vertices out until no edge lies inside of the stent where its profile changes.
 
-    A place of an edge that lies inside takes both ends along, the nearer one more; none goes
-    farther out than the stent's radius anywhere along its edges.
+    A place of an edge that lies inside pushes both ends out, the nearer one more. No vertex goes
+    farther out than a chord at the widest place of the stent along its edges can need.
 
     Parameters
     ----------
     motion : Motion
-        Over; only read.
+        The finished motion; only read.
     positions : (n, 3) array
-        Of all corners, with facets compensated, mm; those that are not the motion's never move.
+        All corners, with facets compensated, mm; those that are not the motion's never move.
     triangles : (m, 3) array
-        Of the wall.
+        Triangles of the wall.
     radius : float
-        The stent's largest, mm.
+        Largest radius of the stent, mm.
     """
     ends, widest = _steep_edges(motion, positions, triangles, radius)
     if not len(ends):
@@ -94,7 +94,8 @@ def draped(motion: Motion, positions: Points, triangles: Triangles, radius: floa
 
 
 def _steep_edges(motion: Motion, positions: Points, triangles: Triangles, radius: float) -> _Edges:
-    """Edges over which the profile differs from a straight line by more than is negligible."""
+    """Edges along which the profile differs from a straight line by more than a
+    negligible amount."""
     shares = motion.chain.shares
     assert shares is not None
     movable = np.arange(np.count_nonzero(motion.touchable))
@@ -112,13 +113,13 @@ def _steep_edges(motion: Motion, positions: Points, triangles: Triangles, radius
     if shares.are_flattened:
         is_beyond = (at <= 0) | (at >= 1)
         is_steep |= is_beyond[:, 0] != is_beyond[:, 1]
-    # Others, such as those of a cap elsewhere, cannot follow the stent at all.
+    # Longer edges, such as those of a cap elsewhere, cannot follow the stent at all.
     is_steep &= sides < 2 * COARSEST_CHORD * widest
     return _Edges(ends[is_steep], widest[is_steep])
 
 
 def _places(longest: float) -> Floats:
-    """Shares of an edge at which it is looked at, none of them an end."""
+    """Places to check along an edge, as shares of its length; none of them is an end."""
     count = int(np.clip(np.ceil(longest / SPACING), 3, MOST_PLACES))
     return np.linspace(0, 1, count + 2)[1:-1]
 
@@ -126,7 +127,7 @@ def _places(longest: float) -> Floats:
 def _along(
     motion: Motion, positions: Points, ends: NDArray[np.int64], share: Floats, radius: float
 ) -> Floats:
-    """`stent_distance` (e, k) at shares of edges."""
+    """`stent_distance` (e, k) at places along edges."""
     first, second = positions[ends[:, 0], None], positions[ends[:, 1], None]
     places = first + share[:, None] * (second - first)
     near = np.repeat(ends[:, 0], len(share))

@@ -1,4 +1,4 @@
-"""Radius steps: those that resolve contact events, long and close to the limit, and published ones.
+"""Radius steps: long ones that resolve contact events, close to the limit, and published ones.
 
 Shrinking the published Euler step to nothing leaves a set of one-dimensional motions along the
 field, coupled only through the contact set: a point that is not in contact influences nobody.
@@ -9,8 +9,8 @@ Second order for the others (values at the middle of the step); see docs/method.
 error against the converged limit.
 
 The published step, SDFStent, arXiv 2605.22009, algorithms 1 and 2, is Euler with an exact last
-partial step. It equals the plain form in the tests; what is left out (steps without contact, points
-that rest, points that did not move) changes nothing.
+partial step. It equals the plain form in the tests: skipping steps without contact, points that
+rest and points that did not move changes nothing.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .motion import Motion
 from .profiles import StepRule
 
 FRONT_MARGIN = 0.1
-"""How far beyond the predicted reach a point still belongs to the front, mm."""
+"""Distance beyond the predicted reach up to which a point still belongs to the front, mm."""
 
 FIELD_INTERVAL = 2.0
 """Growth, mm, after which the field is evaluated anew.
@@ -39,18 +39,18 @@ bend or between two legs of a hairpin, `Motion.is_curved` is set and the field i
 """
 
 FOLLOWING_PART = 0.4
-"""Longest parts, mm, in which a curved field is followed."""
+"""Longest part, mm, in which a curved field is followed."""
 
 ERROR_SHARE = 0.25
-"""Stated error over the difference of two second-order values of one step.
+"""Stated error over the difference between two second-order values of one step.
 
-The mean rate over contact times against the trapezoid of both ends. An estimate, no bound: a
-quarter of the largest difference of all steps was above the measured distance to the converged
-limit in all cases of the table in `docs/method.md` but for one point of a preview.
+These are the mean rate over the contact times and the trapezoid of both ends. An estimate, no
+bound: a quarter of the largest difference of all steps was above the measured distance to the
+converged limit in all cases of the table in `docs/method.md` but for one point of a preview.
 """
 
 SHORTEST_STEP = 0.1
-"""Adapted steps are not shorter than this, mm."""
+"""Shortest adapted step, mm."""
 
 
 def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> Iterator[float]:
@@ -89,7 +89,7 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
             evaluated = radius
         yield radius
         if not has_looked_ahead:
-            # Not before the first step: that one is short, and a preview wants to show it.
+            # Only after the first step: that one is short, and a preview wants to show it.
             motion.look_ahead(target - radius)
             has_looked_ahead = True
         factor = np.sqrt(rule.tolerance / max(error, 1e-12))
@@ -99,7 +99,7 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
 
 
 def _event_step(motion: Motion, rule: StepRule, contact: ContactSet, step: Step) -> float:
-    """One step. Returns the estimated error, mm."""
+    """Make one step; return its estimated error, mm."""
     radius, growth, reach = step
     held = np.flatnonzero(contact.is_held)
     above = motion.level - radius
@@ -146,7 +146,7 @@ class _Dragged(NamedTuple):
 def _dragged(
     motion: Motion, rule: StepRule, contact: ContactSet, front: Front, step: Step
 ) -> _Dragged:
-    """All points out of contact that are not of the front and that a contact is near enough to."""
+    """All points out of contact and outside of the front that have a contact near enough."""
     radius, growth, reach = step
     drags = front.has_touched & motion.drags[front.members]
     hits = front.members[drags]

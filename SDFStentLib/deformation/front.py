@@ -14,16 +14,16 @@ from .motion import Motion
 from .profiles import StepRule
 
 SUBSTEPS = 8
-"""Substeps of the front in every step: 0.1 mm in the longest one by default, finer at first."""
+"""Substeps of the front in every step: 0.1 mm each in the longest step by default."""
 
 
 class Step(NamedTuple):
     """One growth of the stent."""
 
     radius: float
-    """Of the stent at its begin, mm."""
+    """Radius of the stent at the beginning of the step, mm."""
     growth: float
-    """mm."""
+    """By how much the radius grows, mm."""
     reach: float
     """Distance beyond which a contact does not matter until the end of all steps, mm."""
 
@@ -34,9 +34,9 @@ class Front:
     Attributes
     ----------
     members : (n,) array
-        Their numbers in the motion.
+        Numbers of the points in the motion.
     positions : (n, 3) array
-        Where they are, mm.
+        Current places of the points, mm.
     amount, rate : (n,) arrays
         How far each has moved along its direction, mm, and its rate now.
     contact_radius : (n,) array
@@ -74,11 +74,11 @@ class Front:
 
     @property
     def has_touched(self) -> NDArray[np.bool_]:
-        """(n,) which have come into contact."""
+        """(n,) whether each point has come into contact."""
         return self._touching
 
     def run(self) -> None:
-        """Move through the step."""
+        """Move the points through the step."""
         radius, growth, _ = self._step
         substep = growth / SUBSTEPS
         for index in range(SUBSTEPS):
@@ -92,7 +92,7 @@ class Front:
         self._advance(self._updated_rates(radius, growth))
 
     def _updated_rates(self, radius: float, elapsed: float) -> NDArray[np.float64]:
-        """Bring the rates up to date; returns the motion missed since the last contacts.
+        """Bring the rates up to date; return the motion missed since the last contacts.
 
         A new contact point drags its neighbors from the moment of contact, not from the end of
         the substep in which it is noticed.
@@ -110,7 +110,8 @@ class Front:
     def _moved(
         self, radius: float, substep: float, missed: NDArray[np.float64]
     ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-        """Move by a substep; returns who came into contact and how long before its end, mm."""
+        """Move by a substep; return which points came into contact and how long
+        before its end, mm."""
         tolerance = self._rule.contact_tolerance
         above = self._level - radius
         amount = missed + self.rate * substep
@@ -129,7 +130,7 @@ class Front:
     def _hand_over(
         self, sources: NDArray[np.int64], since: NDArray[np.float64], elapsed: float
     ) -> None:
-        """Tie waiting points to new contact points that are nearer than their old one."""
+        """Tie waiting points to new contacts that are nearer than their old ones."""
         waiting = np.flatnonzero(~self._touching)
         search = ContactSearch(self.positions.take(sources, axis=0))
         positions = self.positions.take(waiting, axis=0)

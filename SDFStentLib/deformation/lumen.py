@@ -21,19 +21,20 @@ from ..validation import Points, Triangles
 from .motion import Motion
 
 CONTACT_BAND = 1.5
-"""Points within this many contact tolerances of the final level count as lying on the stent."""
+"""Distance from the final level, in contact tolerances, within which a point lies on the stent."""
 
 FINISH_ROUNDS = 2
 
 DRAG_BOUND = 2.0
-"""Wall outside of the expanded stent is dragged to at most so many times its distance from it.
+"""Largest factor by which dragging may increase the distance of wall from the expanded stent.
 
-Any factor above 1 lets the bound begin without a step where the stent just reaches; 2 is none of
-its size, it has no unit: wall goes no farther out than it was from the stent.
+Any factor above 1 lets the bound begin without a
+jump where the stent just reaches. With 2, wall goes no farther out than it was away from the stent.
 """
 
 UNREACHED_BOUND = 1.15
-"""The same round a lumen that the stent does not reach, from that lumen's wall.
+"""The same factor round a lumen that the stent does not reach, from that lumen's wall.
+
 
 The wall of a slope is farther from the axis than the lumen there is wide; a lumen is that of its
 nearest wall. So at 45 degrees this widens it by 0.15 (1 - cos 45) of its radius, 4.4 %, and it may
@@ -41,10 +42,10 @@ become wider by 5 %.
 """
 
 UNREACHED = 0.1
-"""A lumen that is wider than the stent by this share is not reached; up to there by degrees."""
+"""Share by which a lumen wider than the stent counts as not reached; up to there by degrees."""
 
 NEGLIGIBLE = 1e-4
-"""Facets that miss the radius by less than this share of it are fine enough as they are."""
+"""Share of the radius by which facets may miss it and still be fine enough as they are."""
 
 ROUNDING = 1e-9
 """Relative difference below which two distances count as equal."""
@@ -60,7 +61,8 @@ COARSEST_REACH = np.sqrt(2.0)
 """Distance from the axis, in radii, of the ends of such a chord whose middle is at the radius."""
 
 BEND_SLACK = 1.5
-"""How far vertices may be pushed over what a chord round a straight axis needs.
+"""Largest push of a vertex, over what a chord round a straight axis needs.
+
 
 In 24 random stents of the anatomies the largest push was 1.05 times that, in bends more.
 """
@@ -70,7 +72,7 @@ COMPENSATION_ROUNDS = 5
 
 
 class Expanded(NamedTuple):
-    """The stent at its target: field level and radius, mm, and what counts as contact, mm."""
+    """The stent at its target: field level, radius and contact tolerance, mm."""
 
     level: float
     radius: float
@@ -78,7 +80,8 @@ class Expanded(NamedTuple):
 
 
 class OnStent(NamedTuple):
-    """Positions (n, 3) of all points, mm, and which of them (k,) newly lie on the stent."""
+    """Positions (n, 3) of all points, mm, and the numbers (k,) of those that newly lie on the
+    stent."""
 
     positions: Points
     numbers: NDArray[np.int64]
@@ -90,21 +93,21 @@ class OwnWall(NamedTuple):
     numbers: NDArray[np.int64]
     """(k,)"""
     share: NDArray[np.float64]
-    """(k,) how far they are that for certain, in (0, 1]."""
+    """(k,) how certain it is that they are, in (0, 1]."""
     start: Points
-    """(k, 3) where they were before anything moved, mm."""
+    """(k, 3) their places before anything moved, mm."""
 
 
 def finished(motion: Motion, stent: Expanded) -> OnStent:
     """Move the points on the stent to the prescribed true distance from the axis.
 
-    Along the field's direction, which keeps the smoothness of the published deformation; this
-    takes away ripple, asymmetry in bends, the contact tolerance and the narrowing at the ends.
+    They move along the field's direction, which keeps the smoothness of the published deformation.
+    This removes ripple, asymmetry in bends, the contact tolerance and the narrowing at the ends.
 
     Parameters
     ----------
     motion : Motion
-        Settled: with levels evaluated, not extrapolated.
+        Settled motion: its levels are evaluated, not extrapolated.
     stent : Expanded
     """
     band = stent.level + CONTACT_BAND * stent.contact_tolerance
@@ -123,7 +126,7 @@ def finished(motion: Motion, stent: Expanded) -> OnStent:
 
 
 def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -> OnStent:
-    """Bring wall back that was dragged along ahead of the stent and ended outside of it.
+    """Bring back wall that was dragged along ahead of the stent and ended outside of it.
 
     A stent only pushes. Wall that it reaches has no cause to end up outside of it, nor has wall
     round a wider lumen to go out; but near contact the published rule drags both along. A point
@@ -134,11 +137,11 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
     Parameters
     ----------
     motion : Motion
-        Settled.
+        Settled motion.
     positions : (n, 3) array
-        Finished, mm.
+        Finished positions, mm.
     own : OwnWall
-        By the share of each point it is brought back.
+        The points, each with the share by which it is brought back.
     stent : Expanded
     """
     positions, radius = positions.copy(), stent.radius
@@ -170,7 +173,10 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
 def _allowed(
     lumen: NDArray[np.float64], native: NDArray[np.float64], radius: float
 ) -> NDArray[np.float64]:
-    """How far (n,) from the axis wall may end in a lumen, from how far it was, all in mm."""
+    """Largest distance (n,) from the axis at which wall in a lumen may end, all in mm.
+
+    `native` is the distance that the wall had before.
+    """
     unreached = np.minimum((lumen / radius - 1) / UNREACHED, 1)
     factor = DRAG_BOUND + (UNREACHED_BOUND - DRAG_BOUND) * unreached
     return lumen + factor * np.maximum(native - lumen, 0)
@@ -179,7 +185,8 @@ def _allowed(
 def _native_lumen(
     motion: Motion, nearest: NDArray[np.float64], beside: Points, radius: float
 ) -> NDArray[np.float64]:
-    """Distance (n,) from the axis beside points to the nearest wall, by that (m,) of nodes, mm."""
+    """Distance (n,), mm, from the axis beside points to the nearest wall; `nearest` is that at the
+    nodes."""
     line = motion.chain.line
     along = line.arc_lengths / line.arc_lengths[-1]
     found = np.interp(fractions_of(beside, line), along, nearest)
@@ -198,10 +205,10 @@ def facets_compensated(
     The distance to a straight axis is convex, so a facet is nearest to it on one of its edges;
     along an edge its square is a parabola through the two ends and the middle. Every vertex moves
     by the largest deficit of its edges, back again where all of them are too far out, but never
-    further in than it was, nor further out than its longest edge can need: see `largest_push`.
+    farther in than it was, nor farther out than its longest edge can need: see `largest_push`.
     Facets that are too coarse for their stent stay inside. Vertices beside the stent take part,
     because an edge from one of them to the stent can cut into the lumen as well, and so can one
-    between two of them. What remains is measured: see `metrics.py`.
+    between two of them. What remains is measured on the result: see `stent_checks`.
     """
     cutting = _cutting_edges(motion, positions, triangles, radius)
     ends = edges_on_stent(triangles, np.concatenate([on_stent, cutting.ravel()]), len(positions))
@@ -228,7 +235,7 @@ def facets_compensated(
     pushed = np.zeros(len(group))
     for _ in range(COMPENSATION_PASSES):
         moved = start + pushed[:, None] * direction
-        # Between passes the middle of an edge is taken to follow its two ends.
+        # Within a pass the middle of an edge is taken to follow its two ends.
         middle = stent_distance(motion, group[ends[:, 0]], _middles(moved, ends), radius)
         measured_at = pushed.copy()
         for _ in range(COMPENSATION_ROUNDS):
@@ -249,7 +256,7 @@ def facets_compensated(
 def _cutting_edges(
     motion: Motion, positions: Points, triangles: Triangles, radius: float
 ) -> NDArray[np.int64]:
-    """Edges (e, 2) between vertices that lie beside the stent, and that cut into it."""
+    """Edges (e, 2) between vertices beside the stent that cut into it."""
     distance = (motion.distance_at(motion.level) + motion.offset)[: len(positions)]
     near = np.flatnonzero(distance < COARSEST_REACH * radius)
     ends = edges_on_stent(triangles, near, len(positions))
@@ -269,18 +276,18 @@ def _cutting_edges(
 
 
 def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
-    """How far the ends of chords can have to move out until their middles reach a radius, mm.
+    """How far the ends of chords may have to move out until their middles reach a radius, mm.
 
-    Both ends of a chord of length e at a radius r lie at the angle a from its middle, with
-    sin a = e / 2 r, and its middle at r cos a. At r / cos a the middle has come to r. Only as far
-    as to a right angle between the ends; then this is (sqrt(2) - 1) r, the most of all.
+    Both ends of a chord of length e at a radius r lie at the angle a from its middle, with sin a =
+    e / 2 r, and its middle at r cos a. With the ends at r / cos a the middle has come to r. This is
+    followed up to a right angle between the ends; there the push is largest, (sqrt(2) - 1) r.
 
     Parameters
     ----------
     length : array_like
-        Of the chords, mm.
+        Length of the chords, mm.
     radius : array_like
-        That their middles shall have, mm.
+        Radius that their middles shall have, mm.
     """
     radius = np.asarray(radius, dtype=np.float64)
     sine = np.minimum(np.asarray(length) / (2 * radius), COARSEST_CHORD)
@@ -291,10 +298,10 @@ def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
 def stent_distance(
     motion: Motion, where: NDArray[np.int64], positions: Points, radius: float
 ) -> NDArray[np.float64]:
-    """Distance to the axis, mm, that some points would have elsewhere, for the largest radius.
+    """Distance to the axis, mm, that some points would have elsewhere, as if the stent were even.
 
-    Where the stent is narrower by a shortfall than `radius`, by that more than it is: so every
-    place of the stent is at its radius.
+    Where the stent is narrower than `radius`, the shortfall is added to the distance: so every
+    place of the stent is at `radius`.
     """
     true_distance = motion.axis_distance(where, positions)
     return true_distance + motion.chain.shortfall(positions, radius)
@@ -303,7 +310,7 @@ def stent_distance(
 def edges_on_stent(
     triangles: Triangles, on_stent: NDArray[np.int64], count: int
 ) -> NDArray[np.int64]:
-    """Edges (e, 2), each once, between the first `count` vertices with an end on the stent."""
+    """Edges (e, 2) with an end on the stent, each once, among the first `count` vertices."""
     is_on_stent = np.zeros(int(triangles.max(initial=count)) + 1, dtype=bool)
     is_on_stent[on_stent] = True
     keys = []
@@ -324,7 +331,7 @@ def _middles(values: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArray[np
 
 
 def _edge_distance(ends: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Smallest distance along edges, from the distances at both ends (e, 2) and the middle (e,)."""
+    """Smallest distance along edges, from those at both ends (e, 2) and at the middle (e,)."""
     first, second, half = ends[:, 0] ** 2, ends[:, 1] ** 2, middle**2
     curvature = 2 * (first + second - 2 * half)
     slope = 4 * half - 3 * first - second
@@ -336,7 +343,7 @@ def _edge_distance(ends: NDArray[np.float64], middle: NDArray[np.float64]) -> ND
 def _beyond_ends(
     motion: Motion, where: NDArray[np.int64], positions: Points
 ) -> NDArray[np.float64]:
-    """How far points lie beyond the planes across the stent's ends, mm; 0 beside the stent."""
+    """Distance of points beyond the planes across the stent's ends, mm; 0 beside the stent."""
     nodes = motion.chain.nodes
     nearest = motion.axis_distance(where, positions) * (1 + ROUNDING)
     beyond = np.zeros(len(where))

@@ -1,4 +1,4 @@
-"""The points that a deployment can move, and what one radius step needs to know of them.
+"""The points that a deployment can move, and what a radius step needs to know about them.
 
 This is the mutable working state of a running deployment; it never leaves the library.
 """
@@ -17,10 +17,10 @@ from ..validation import Points
 from .contact_search import ContactSearch
 
 STRAIGHT = np.cos(np.deg2rad(2.0))
-"""Directions that differ by less count as the same: the smooth minimum's ripple stays below."""
+"""Cosine of the angle up to which directions count as the same: ripple of the field stays below."""
 
 SAMPLE = 1500
-"""Points at which the way ahead is looked at; fewer where there are not so many."""
+"""Points at which the way ahead is checked; fewer where there are not so many."""
 
 BIN_SIZE = 3.0
 """Edge of the cubes that group points, mm, in the stent's own frame.
@@ -33,7 +33,7 @@ CELL_SIZE = BIN_SIZE / CELLS_PER_BIN
 """Edge of the cells, mm, whose points may share a guess: see `NewContacts`."""
 
 NEWTON_STEPS = 2
-"""From the last radius step onto the level of the expanded stent."""
+"""Newton steps from the last radius step onto the level of the expanded stent."""
 
 NODES_PER_BIN = 3
 """Axis nodes whose points are kept together; then cubes put them in order."""
@@ -50,11 +50,11 @@ class Motion:
     positions, direction : (n, 3) arrays
         Current coordinates, mm, and direction of motion, as long as `pace`.
     level : (n,) array
-        Distance field minus the tissue offset, mm, over the pace: the stent radius that reaches
-        the point.
+        Distance field minus the tissue offset, mm, divided by the pace: the stent radius that
+        reaches the point.
     pace : (n,) array or None
-        Share of the stent's radius where it will reach the point: so far it comes while the stent
-        grows by 1. None where the radius is the same everywhere.
+        Share of the largest radius that the stent has where it reaches the point: the way that its
+        wall makes there while the radius grows by 1. None where the radius is the same everywhere.
     slope : (n,) array
         Rate at which `level` grows when the point moves along its direction.
     cell : (n,) array
@@ -64,7 +64,7 @@ class Motion:
     touchable : (n,) bool array
         Whether the stent can touch the point (wall) or only drag it along (centerline).
     drags : (n,) bool array
-        Whether the point, in contact, drags others along: a cap of an outlet is no wall.
+        Whether the point in contact drags others along; a cap of an outlet is no wall and does not.
     is_curved : (n,) bool array
         Whether the direction changes along the way, see `look_ahead`.
     estimated_error : float
@@ -104,11 +104,11 @@ class Motion:
 
     @cached_property
     def resting(self) -> RestingPoints:
-        """The points in cubes; made when first asked for, before anything moves."""
+        """The points grouped in cubes; made when first asked for, before anything moves."""
         return RestingPoints(self.positions - self._origin, self._origin, self._frame)
 
     def restricted(self, keep: NDArray[np.bool_]) -> None:
-        """Drop the points that are not kept; before anything moves."""
+        """Drop the points that are not kept; only allowed before anything moves."""
         for name in (
             "indices", "positions", "level", "direction", "slope", "offset", "touchable",
             "drags", "cell", "is_curved", "_near", "_extrapolated",
@@ -129,7 +129,8 @@ class Motion:
         return self.direction if self.pace is None else self.direction / self.pace[:, None]
 
     def distance_at(self, level: Any) -> NDArray[np.float64]:
-        """Distances (n,) from the axis, mm, of points on a level or on theirs, without tissue."""
+        """Distances (n,) from the axis, mm, of points on a common level or on their own, without
+        tissue."""
         return np.asarray(level * (1.0 if self.pace is None else self.pace))
 
     def _paced(
@@ -142,7 +143,7 @@ class Motion:
         return distance / pace, direction * pace[:, None]
 
     def moved_to(self, where: NDArray[Any], positions: Points) -> None:
-        """Put some points elsewhere and evaluate their field there."""
+        """Move some points elsewhere and evaluate their field there."""
         field = self.field_at(where, positions)
         self.positions[where] = positions
         self.level[where], self.direction[where] = self._paced(
@@ -152,7 +153,7 @@ class Motion:
         self._extrapolated[where] = False
 
     def field_at(self, where: NDArray[Any], positions: Points) -> Field:
-        """The field that some points would have elsewhere, but near where they are."""
+        """The field that some points would have elsewhere, not far from where they are."""
         return self.chain.folding.at(positions, self._near[where])
 
     def axis_distance(self, where: NDArray[Any], positions: Points) -> NDArray[np.float64]:
@@ -167,11 +168,12 @@ class Motion:
         self._extrapolated[where] = True
 
     def held_on(self, where: NDArray[Any], level: float) -> None:
-        """Points in contact lie on a level, mm, whatever was extrapolated."""
+        """Set the level, mm, of points in contact, whatever was extrapolated."""
         self.level[where] = level
 
     def estimated(self, error: float) -> None:
-        """A step may be so far from the converged limit, mm; the largest such error counts."""
+        """Note the estimated distance of a step to the converged limit, mm; the largest one is
+        kept."""
         self.estimated_error = max(self.estimated_error, error)
 
     def refreshed(self) -> None:
@@ -192,15 +194,16 @@ class Motion:
             self.moved_to(inside, target)
 
     def freeze(self) -> None:
-        """The motion is over: whoever goes on from here does so with positions of its own."""
+        """End the motion: whoever goes on from here does so with positions of their own."""
         for values in (self.positions, self.level, self.direction, self.slope, self.offset):
             values.setflags(write=False)
 
     def look_ahead(self, distance: float) -> None:
-        """Find the points whose direction changes along the way, half and the whole of it, mm.
+        """Find the points whose direction changes on the way ahead, at half and at the whole
+        distance, mm.
 
-        Of many points a sample is looked at, and a cube of points is curved when one of its
-        sample is. The wall's does not depend on what is dragged along.
+        Only a sample of many points is checked, and a whole cube counts as curved when one of its
+        sampled points does. The sample of the wall does not depend on what is dragged along.
         """
         wall, others = (np.flatnonzero(self.touchable == which) for which in (True, False))
         sample = np.concatenate([one[:: max(1, len(one) // SAMPLE)] for one in (wall, others)])
@@ -219,7 +222,7 @@ class RestingPoints:
     """Points that have not moved yet, in cubes, so that far ones are skipped together.
 
     A point outside the influence distance of every contact point rests, hence its cube keeps its
-    size. A cube wakes, for good, when a contact point comes nearer to its centre than the influence
+    size. A cube wakes, for good, when a contact point comes nearer to its center than the influence
     distance plus its radius; only awake points are searched one by one. Skipping is exact.
     """
 
@@ -232,10 +235,10 @@ class RestingPoints:
             starts = starts[:0]
         counts = np.diff(np.append(starts, len(positions)))
         sums = np.add.reduceat(positions, starts, axis=0) if len(starts) else np.empty((0, 3))
-        centres = sums / counts[:, None]
-        self._centres = centres + origin
+        centers = sums / counts[:, None]
+        self._centers = centers + origin
         self.cube = np.repeat(np.arange(len(starts)), counts)
-        offsets = positions - centres[self.cube]
+        offsets = positions - centers[self.cube]
         squares = dot(offsets, offsets)
         reach = np.maximum.reduceat(squares, starts) if len(starts) else squares
         self._reach = np.sqrt(reach)
@@ -247,20 +250,20 @@ class RestingPoints:
         if not len(self._asleep):
             return
         reach = self._reach[self._asleep] + influence_distance
-        distances, _ = contact.nearest(self._centres[self._asleep], float(reach.max()))
+        distances, _ = contact.nearest(self._centers[self._asleep], float(reach.max()))
         woken = distances <= reach
         if woken.any():
-            cubes = np.zeros(len(self._centres), dtype=bool)
+            cubes = np.zeros(len(self._centers), dtype=bool)
             cubes[self._asleep[woken]] = True
             self.awake |= cubes[self.cube]
             self._asleep = self._asleep[~woken]
 
 
 def _own_frame(nodes: Points, wall: Points) -> Points:
-    """Axes (3, 3), in columns, of a stent and the wall round it; they turn with both.
+    """Axes (3, 3), in columns, of a stent and the wall round it; they turn along with both.
 
-    From one end to the other, towards the side where most of the wall lies, and across both. So
-    which points are grouped together depends neither on the coordinates' frame nor on the end at
+    They run from one end to the other, towards the side where most of the wall lies, and across
+    both. So the grouping of points depends neither on the coordinates' frame nor on the end at
     which the stent begins; sums and products keep their bits where two coordinates change sign.
     """
     middle = wall.sum(axis=0)
@@ -283,18 +286,18 @@ def _chord(nodes: Points) -> Points:
 
 
 def _along(nodes: Points, frame: Points, near: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Numbers of nodes counted along the own frame, whatever way the nodes run."""
+    """Numbers of nodes counted along the stent's own frame, whichever way the nodes run."""
     return near if _chord(nodes) @ frame[:, 0] > 0 else len(nodes) - 1 - near
 
 
 def _spatial_order(
     points: Points, touchable: NDArray[np.bool_], near: NDArray[np.int32]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Wall before companions, each along the stent, by the cube and the cell it is in.
+    """Order of the points: wall before companions, each along the stent, then by cube and cell.
 
-    So that points that are worked on together share capsules and branches of a search tree. Also
-    returns the number of the cell of each point, in that order. The nearest nodes are counted
-    along the own frame, as `_along` gives them.
+    So points that are worked on together share capsules and branches of a search tree. The second
+    array holds the number of the cell of each point, in that order. `near` counts the nodes along
+    the stent's own frame, as `_along` gives them.
     """
     if not len(points):
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""The part of a surface that a deployment can move, in numbers of its own.
+"""The part of a surface that a deployment can move, numbered by itself.
 
 Everything after culling works on this patch, so that the cost follows the stent, not the vessel.
 """
@@ -21,7 +21,7 @@ class Patch:
     Attributes
     ----------
     faces : (m,) array
-        Their numbers in the whole surface.
+        Numbers of the faces in the whole surface.
     triangles : (m, 3) array
         The same faces in patch numbers: first the active vertices, then the rim.
     vertices : (n,) array
@@ -57,7 +57,8 @@ class Patch:
         )
 
     def points(self, whole: Points, active: Points) -> Points:
-        """Coordinates of the patch's vertices: the active ones as given, the rim as it was."""
+        """Coordinates of the patch's vertices: the active ones as given, the rim as in the whole
+        surface."""
         return np.concatenate([active, whole[self.vertices[self.active_count :]]])
 
     def outward_normals(
@@ -83,7 +84,7 @@ class Patch:
         distance : (active_count,) array
             Distance to the axis, mm.
         is_consistently_wound : bool
-            When that is known; otherwise it is looked at.
+            Whether that is known already; otherwise it is checked.
         """
         if not (is_consistently_wound or self._is_consistently_wound()):
             return None
@@ -95,13 +96,13 @@ class Patch:
 
     @property
     def has_several_parts(self) -> bool:
-        """Whether walls come in parts here; they may be joined outside the patch."""
+        """Whether the patch has several parts; they may be joined outside of it."""
         start, end = self.triangles[:, :2].T, self.triangles[:, 1:].T
         label = component_labels(len(self.vertices), start.ravel(), end.ravel())
         return bool(label[self.triangles[:, 0]].any())
 
     def _is_consistently_wound(self) -> bool:
-        """No side is run along twice in the same direction."""
+        """Whether no side is run along twice in the same direction."""
         start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
         keys = np.sort(start * (len(self.vertices) + 1) + end)
         return not (keys[1:] == keys[:-1]).any()

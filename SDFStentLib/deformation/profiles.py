@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..validation import Floats, InputError
 
 Profile = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""Weight as a function of distance over influence distance; called with values in [0, 1]."""
+"""A weight as a function of distance over influence distance; called with values in [0, 1]."""
 
 
 def compact_falloff(fraction: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -66,7 +66,7 @@ BLENDS: dict[str, Profile] = {
 
 
 def as_profile(choice: str | Profile, known: dict[str, Profile], name: str) -> Profile:
-    """A profile by its name, or a function as it is.
+    """The profile of a given name, or the given function after a check.
 
     Raises
     ------
@@ -111,7 +111,7 @@ class StepRule:
     falloff, blend : Profile
         Weights over the signed distance and over the distance to the nearest contact point.
     first_share : float
-        First adaptive step over the longest: before contact no rate is known to predict with.
+        First adaptive step over the longest; before contact no rate is known to predict it from.
     """
 
     influence_distance: float

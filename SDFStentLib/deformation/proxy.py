@@ -33,38 +33,38 @@ from .settings import DeploymentSettings
 from .values import DeploymentState, DeploymentTask, away_from_wall
 
 SAMPLED = 1500
-"""Points within reach of the stent that a sample has at most, about; half of it at least."""
+"""Most points, about, that a sample has within reach of the stent; it has at least half as many."""
 
 LONGEST_STEP, TOLERANCE = 3.2, 0.4
-"""Of the adaptive radius steps at least, mm: the proxy's own error is larger than theirs."""
+"""Least values for the adaptive radius steps, mm: the proxy's own error is larger than theirs."""
 
 FIRST_SHARE = 0.5
-"""First radius step of a sample over the longest; all vertices have the rule's own.
+"""First radius step of a sample over the longest; without a sample it is the rule's own.
 
-With that, an eighth, the mean distance to the full preview is 0.034 mm instead of 0.037 (36
+With the rule's, an eighth, the mean distance to the full preview is 0.034 mm instead of 0.037 (36
 seeded stents), and a preview costs a quarter more.
 """
 
 DENSITY = 0.5
-"""Points of a sample in a square whose edge is its spacing."""
+"""Points that a sample has in a square whose edge is its spacing."""
 
 
 class ProxyState(NamedTuple):
     """The vessel at the end of a preview."""
 
     state: DeploymentState
-    """What has moved, in the surface's numbers, as that of a `Deployment`."""
+    """Everything that has moved, in the surface's numbers, as in the state of a `Deployment`."""
     points: Points
-    """(p, 3) where the sample of the wall near the stent would be on the finished lumen, mm."""
+    """(p, 3) places of the sample of the wall near the stent on the finished lumen, mm."""
     normals: Points
-    """(p, 3) out of the lumen, where they were before."""
+    """(p, 3) unit normals of these points out of the lumen, before the deployment."""
     spacing: float
-    """Of the sample, mm; 0 where all vertices were deployed."""
+    """Spacing of the sample, mm; 0 where all vertices were deployed."""
 
 
 @dataclass(frozen=True)
 class _Level:
-    """A sample of the wall: all vertices where `spreading` is None."""
+    """A sample of the wall; it has all vertices where `spreading` is None."""
 
     sample: Indices
     spreading: Spreading | None
@@ -80,7 +80,7 @@ class Proxy:
     Parameters
     ----------
     surface : Surface
-        Of the vessel; open or closed, any winding.
+        Surface of the vessel; open or closed, any winding.
     inside : array_like, shape (k, 3), optional
         Points in the lumen, mm, such as the centerline: they tell which side of an open surface is
         out. Default: the axis of the first stent.
@@ -101,15 +101,15 @@ class Proxy:
         points: Points | None = None,
         companions: ArrayLike = (),
     ) -> ProxyState:
-        """The wall after a stent was expanded.
+        """The wall after a stent has expanded.
 
         Parameters
         ----------
         chain, radius, settings, companions
-            As for `Deployment`; by default the settings are `DeploymentSettings.preview()`. What
-            finishes and certifies a lumen is left out, whatever they say.
+            As for `Deployment`; by default the settings are `DeploymentSettings.preview()`. The
+            lumen is neither finished nor certified, whatever the settings say.
         points : (n, 3) array, optional
-            Of the surface as earlier stents left it, mm.
+            Points of the surface as earlier stents left it, mm.
 
         Raises
         ------
@@ -146,7 +146,7 @@ class Proxy:
         return ProxyState(state, moved.on_lumen, normals, level.spacing)
 
     def probes(self, axis: Points) -> Points:
-        """Some points of the wall, evenly among all its vertices, mm."""
+        """Some points of the wall, spread evenly among all its vertices, mm."""
         return self._wall_with(axis).probes
 
     def _wall_with(self, axis: Points) -> SampledWall:
@@ -155,7 +155,8 @@ class Proxy:
         return self._wall
 
     def _level(self, wall: SampledWall, near: Near) -> _Level:
-        """The finest sample that has few enough points there; the same for the same place."""
+        """The finest sample with few enough points at a place; always the same one for the same
+        place."""
         key = None
         if near.count > SAMPLED:
             # Levels are half a power of two apart.
@@ -166,8 +167,8 @@ class Proxy:
 
 
 def _taken(wall: SampledWall, rows: Indices, points: Points | None) -> Points:
-    """Rows of a wall, mm: as it was, or where all points of its surface are now."""
-    # Those of the wall lie side by side in memory where they do in space.
+    """Points of some rows of the wall, mm: as it was, or where its surface is now."""
+    # The wall's own points lie side by side in memory where they do in space.
     return wall.points[rows] if points is None else points[wall.vertices[rows]]
 
 
@@ -181,17 +182,17 @@ def _made(wall: SampledWall, key: int | None) -> _Level:
 
 class _Moved(NamedTuple):
     displacement: Points
-    """(p, 3) of the whole sample, mm."""
+    """(p, 3) displacement of the whole sample, mm."""
     companions: Points
-    """(c, 3) where they are now, mm."""
+    """(c, 3) places of the companions now, mm."""
     on_lumen: Points
-    """(k, 3) where the points of the sample near the stent are on the finished lumen, mm."""
+    """(k, 3) places on the finished lumen of the points of the sample near the stent, mm."""
     near: Indices
-    """(k,) which points of the sample these are."""
+    """(k,) numbers of these points in the sample."""
 
 
 def _expanded(task: DeploymentTask, rule: StepRule, points: Points, normals: Points) -> _Moved:
-    """The radius steps of the method on some points of the wall."""
+    """Run the radius steps of the method on some points of the wall."""
     reach = _reach(task)
     wall, near_wall = within_reach(points, task.capsules, reach)
     dragged, near_dragged = within_reach(task.companions, task.capsules, reach)
@@ -232,12 +233,12 @@ def _expanded(task: DeploymentTask, rule: StepRule, points: Points, normals: Poi
 
 
 def _reach(task: DeploymentTask) -> float:
-    """Level, mm, from which on no wall moves."""
+    """Field level, mm, from which on no wall moves."""
     return task.target_level + task.settings.influence_distance + task.settings.tissue_gap
 
 
 def _rule(settings: DeploymentSettings, *, is_sample: bool) -> StepRule:
-    """The radius steps, longer than those of the settings."""
+    """A step rule with longer radius steps than those of the settings."""
     rule = settings.step_rule()
     if settings.rule == "published":
         return rule
@@ -249,7 +250,7 @@ def _rule(settings: DeploymentSettings, *, is_sample: bool) -> StepRule:
 def _carried(
     wall: SampledWall, level: _Level, cells: Indices, displacement: Points
 ) -> tuple[Indices, Points]:
-    """Rows of the wall that move, and how far, mm."""
+    """Rows of the wall that move, and their displacement, mm."""
     if level.spreading is None:
         rows = moved_rows(displacement)
         return rows, displacement[rows]

@@ -1,4 +1,4 @@
-"""Few points that stand for a wall, and the weights by which its vertices follow them."""
+"""A few points that stand for a wall, and the weights with which its vertices follow them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ..geometry import vertex_normals as normals_at
 from ..validation import Floats, Indices, Points, Triangles
 
 CELL = 4.0
-"""Edge of the cells that a wall's vertices are stored in, mm."""
+"""Edge of the cells in which a wall's vertices are stored, mm."""
 
 PROBES = 5_000
-"""Vertices, of all, by which the area near a stent is estimated."""
+"""Number of vertices from which the area near a stent is estimated."""
 
 GRID_SHARE = 1.5
-"""Candidates come from a grid so many times finer than the sample's spacing."""
+"""Spacing of a sample over that of the grid from which its candidates come."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class Near:
     """The part of a wall within reach of a stent, estimated from the probes."""
 
     count: float
-    """Vertices."""
+    """Number of vertices."""
     area: float
-    """mm^2."""
+    """Area of the wall, mm^2."""
 
 
 class SampledWall:
@@ -40,16 +40,16 @@ class SampledWall:
     ----------
     surface : Surface
     inside : (k, 3) array
-        Points in the lumen, mm: they tell which side of an open surface is out.
+        Points in the lumen, mm; they show which side of an open surface is out.
 
     Attributes
     ----------
     vertices : (n,) array
-        Their numbers in the surface; rows of the other arrays go in this order.
+        Numbers of the used vertices in the surface; rows of the other arrays have this order.
     points, normals : (n, 3) arrays
-        mm, and unit length.
+        Coordinates, mm, and unit normals.
     probes : (k, 3) array
-        Points of it, evenly spread among all, mm.
+        Some of the points, spread evenly among all, mm.
     """
 
     def __init__(self, surface: Surface, inside: Points) -> None:
@@ -80,7 +80,7 @@ class SampledWall:
         return np.sqrt(np.maximum.reduceat(dot(apart, apart), self.starts[:-1]))
 
     def near(self, chain: CapsuleChain, reach: float) -> Near:
-        """How much of the wall is within a distance, mm, of a stent's axis."""
+        """The part of the wall within a distance, mm, of a stent's axis."""
         is_near = chain.folding.nearest_nodes(self.probes)[1] < reach
         return Near(self._step * is_near.sum(), self._step * self._shares[is_near].sum())
 
@@ -94,7 +94,7 @@ class SampledWall:
         return ranges(self.starts[cells], np.diff(self.starts)[cells])
 
     def sample(self, spacing: float) -> Indices:
-        """Rows of vertices that are at least so far apart, mm, and leave no room for more.
+        """Rows of vertices that keep a spacing, mm, from each other and leave no room for more.
 
         Vertices of walls that face each other do not count as near.
         """
@@ -106,7 +106,7 @@ class SampledWall:
         return rows[_independent(len(rows), pairs[dot(first, second) > 0])]
 
     def _candidates(self, edge: float) -> Indices:
-        """A row for every cube of a grid, and every main direction in which its walls face."""
+        """One row for every cube of a grid and every main direction that walls face in it."""
         largest = np.abs(self.normals).argmax(axis=1)
         facing = 2 * largest + (self.normals[np.arange(len(largest)), largest] > 0)
         key = _cube_numbers(self.points, edge) * 6 + facing
@@ -129,7 +129,8 @@ def _cube_numbers(points: Points, edge: float) -> Indices:
 
 
 def _in_cells(points: Points, edge: float) -> tuple[Indices, Indices]:
-    """Order of the points by their cells, and the places where a cell begins or the last ends."""
+    """Order of the points by their cells, and the offsets at which cells begin and the last one
+    ends."""
     key = _cube_numbers(points, edge)
     order = np.argsort(key, kind="stable")
     begins = np.flatnonzero(np.diff(key[order])) + 1
@@ -137,10 +138,10 @@ def _in_cells(points: Points, edge: float) -> tuple[Indices, Indices]:
 
 
 def _independent(count: int, pairs: Indices) -> Indices:
-    """Numbers below count of which no two are a pair, as many as can be: the same every time."""
+    """A maximal set of numbers below `count` with no pair among them, the same every time."""
     rank = np.random.default_rng(count).permutation(count)
     is_open, is_chosen = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
-    # Ends: of what is open the first in rank is chosen in every round.
+    # Ends: in every round the first in rank of the open ones is chosen.
     while is_open.any():
         wins = is_open.copy()
         wins[np.where(rank[pairs[:, 0]] > rank[pairs[:, 1]], pairs[:, 0], pairs[:, 1])] = False
@@ -153,30 +154,31 @@ def _independent(count: int, pairs: Indices) -> Indices:
 
 
 SUPPORT = 6
-"""Points of the sample that a vertex follows; the next one is where their weights have faded."""
+"""Number of sample points that a vertex follows; weights fade to 0 at the distance of the next."""
 
 STIFFNESS = 0.01
-"""Share of the sample's extent that keeps the fit from extrapolating across a flat wall."""
+"""Regularization of the fit, over the sample's extent; it keeps it from extrapolating across a flat
+wall."""
 
 BEHIND = 1e-6
-"""Weight of points on walls that look the other way: it counts only where there are no others."""
+"""Weight of points on walls that face the other way; it counts only where there are no others."""
 
 BLOCK = 1 << 14
-"""Vertices whose weights are made at once."""
+"""Number of vertices whose weights are made at once."""
 
 
 class Spreading:
-    """What of a displacement each vertex takes from its neighbors in a sample.
+    """The weights with which each vertex takes its displacement from its neighbors in a sample.
 
-    A moving least-squares fit: constant and linear displacements arrive as they are, and what a
-    vertex takes fades smoothly with distance, and with the angle between the walls. Weights are
-    made cell by cell when they are first needed, and kept.
+    A moving least-squares fit: constant and linear displacements are reproduced, and weights fade
+    smoothly with distance and with the angle between the walls. They are made cell by cell when
+    first needed, and kept.
 
     Parameters
     ----------
     wall : SampledWall
     sample : (p,) array
-        Rows of the wall.
+        Rows of the wall that are sampled.
     """
 
     def __init__(self, wall: SampledWall, sample: Indices) -> None:
@@ -222,10 +224,11 @@ class Spreading:
 
 
 def linear_weights(offset: NDArray[np.float64], weight: NDArray[np.float64]) -> Points:
-    """Weights (n, k) that add up to 1, and whose mean of the offsets (n, k, 3) is zero, nearly.
+    """Weights (n, k) that add up to 1 and whose weighted mean of the offsets (n, k, 3) is nearly
+    zero.
 
-    Nearly, because a flat wall does not say how anything changes across it; and where all points
-    lie to one side, taking less than the whole way is better than extrapolating.
+    Only nearly, because a flat wall does not show how anything changes across it; and where all
+    points lie to one side, going less than the whole way is better than extrapolating.
     """
     weight = weight / weight.sum(axis=1, keepdims=True)
     mean = np.einsum("nk,nkj->nj", weight, offset)
@@ -238,5 +241,5 @@ def linear_weights(offset: NDArray[np.float64], weight: NDArray[np.float64]) -> 
 
 
 def moved_rows(displacement: Points) -> Indices:
-    """Rows that are displaced at all."""
+    """Rows with a displacement other than zero."""
     return np.flatnonzero(dot(displacement, displacement) > 0)

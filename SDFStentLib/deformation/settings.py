@@ -1,4 +1,4 @@
-"""What a deployment can be told beside the stent: the parameters of the method."""
+"""The settings of a deployment: the parameters of the method, apart from the stent itself."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class DeploymentSettings:
     Lengths reach from a fraction of an edge of a vessel's mesh, or of what its coordinates resolve,
     to the size of the largest vessel: shorter capsules and steps would be too many to be worked
     off; a narrower smoothing changes the distance by less than a mesh resolves, k/4. Weights may be
-    functions as well as names. `parameters` has what is told here, by name.
+    functions as well as names. `parameters` describes each of them by name.
 
     Raises
     ------
     InputError
-        Values without sense, or out of their range.
+        Values that make no sense, or are out of their range.
     """
 
     influence_distance: float = _length(
@@ -152,7 +152,7 @@ class DeploymentSettings:
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
-        """What each of them does and may be, by name, in their order."""
+        """Name, meaning and range of each parameter, by its field, in their order."""
         return parameters_of(cls)
 
     @classmethod
@@ -170,7 +170,7 @@ class DeploymentSettings:
 
     @classmethod
     def preview(cls) -> DeploymentSettings:
-        """The same code path for dragging: longer steps, neither untangled nor certified."""
+        """The same code path for dragging: longer steps, and neither untangled nor certified."""
         return cls(
             step=1.6,
             step_tolerance=0.1,
@@ -193,8 +193,8 @@ class DeploymentSettings:
     ) -> CapsuleChain:
         """The stent along an axis; parameters and errors as `CapsuleChain.along`.
 
-        A profile is parts of the length, diameters there (mm), and the height of its caps over the
-        radius; the radius to deploy is then that of its largest diameter.
+        A profile has places as parts of the length, the diameters there (mm), and the height of its
+        caps over the radius; the radius to deploy is then half of its largest diameter.
         """
         shares = None
         if profile is not None:

@@ -1,4 +1,4 @@
-"""What a deployment promises of its stent, judged on the result: motion and lumen.
+"""Checks on the result of what a deployment promises: the motion and the lumen of its stent.
 
 A deformation without any fold can still be wrong. Two statements, each with a number and a place:
 no point moved farther than the method can move one, and the lumen along the stent is the
@@ -25,14 +25,14 @@ from .wall_around import WallAround
 from .wall_check import wall_check
 
 COARSEST = np.sqrt(2.0)
-"""Farthest that wall in contact can be from the axis, in radii: see `lumen.largest_push`."""
+"""Largest distance of wall in contact from the axis, in radii: see `lumen.largest_push`."""
 
 ROUGH = 0.01
-"""Share of the radius up to which the wall's distance from the axis stands for a sphere that may be
-too narrow, and the tolerance of spheres that may be too wide."""
+"""Share of the radius by which the wall's distance from the axis may be too short before the sphere
+itself is searched for, and the tolerance of spheres that may be too wide."""
 
 NEAR = 2.0
-"""Distance from the axis, in radii, of the triangles that are looked at first."""
+"""Distance from the axis, in radii, up to which triangles are looked at first."""
 
 CAPS_WITHIN = 2.0
 """Distance from the stent's ends, in its radii, within which flat caps count as open."""
@@ -43,10 +43,10 @@ def motion_check(
 ) -> MotionCheck:
     """Whether no point of the wall moved farther than the method can move one.
 
-    Every point goes along its field line. In contact it ends where the stent does, `radius` from
-    the axis and behind a thickness of tissue, and facet compensation pushes it out by `COARSEST` at
-    most: from the distance d it moves up to sqrt(2) (radius + tissue) - d. Out of contact it is
-    dragged along by no more than the stent grows, which is its radius.
+    Every point moves along its field line. A point in contact ends where the stent does, `radius`
+    from the axis and behind a thickness of tissue, and facet compensation pushes it out by the
+    factor `COARSEST` at most: from the distance d it moves up to sqrt(2) (radius + tissue) - d. A
+    point out of contact is dragged by no more than the stent grows, which is its radius.
 
     Parameters
     ----------
@@ -54,12 +54,12 @@ def motion_check(
         Points that moved, mm.
     chain : CapsuleChain
     radius, tissue : float
-        Of the stent, and of the tissue gap, mm.
+        Radius of the stent and thickness of the tissue gap, mm.
     """
     if not len(before):
         return MotionCheck(0.0, radius, as_place(chain.nodes[0]))
     moved = np.linalg.norm(after - before, axis=1)
-    # All others are below their bound by nature.
+    # No bound is below the radius, so all others keep theirs.
     where = np.union1d(np.flatnonzero(moved > radius), [moved.argmax()])
     reach = COARSEST * (radius + tissue) - chain.axis_distance(before[where])
     bound = np.maximum(reach, radius)
@@ -69,13 +69,13 @@ def motion_check(
 
 
 class Expected(NamedTuple):
-    """A stent as it shall be."""
+    """The stent as prescribed."""
 
     chain: CapsuleChain
     radius: float
-    """The largest, mm."""
+    """Largest radius, mm."""
     influence_distance: float
-    """How far from contact wall is dragged along, mm."""
+    """Distance from a contact within which wall is dragged along, mm."""
 
 
 def lumen_check(
@@ -87,17 +87,18 @@ def lumen_check(
     """Whether the lumen along a stent is the prescribed one.
 
     The wall's distance from the axis is a lower bound of the inscribed sphere, and wall on all
-    sides gives an upper one; only where these do not tell, the sphere itself is looked for. Flat
-    caps of in- and outlets count as open. A sphere climbs to where there is room, so the wall
-    itself is looked at, too.
+    sides gives an upper one; the sphere itself is searched for only where these do not decide. Flat
+    caps of inlets and outlets count as open. A sphere climbs to where there is room, so the wall
+    itself is checked, too.
 
     Parameters
     ----------
     before, after : Surface
-        Without and with all stents.
+        The surface without and with all stents.
     stent : Expected
     own : pair of Surface, optional
-        The surface just before and after this stent, where there are others: these may be wider.
+        The surface just before and after this stent, where there are other stents, which may be
+        wider.
     """
     chain, radius, _ = stent
     reach = NEAR * radius
@@ -152,7 +153,8 @@ def _narrowest(
 def _widest(
     before: Surface, after: Surface, around: WallAround, stent: Expected
 ) -> tuple[float, float, Place]:
-    """Largest sphere over what may be as wide, the latter, and the station; radii."""
+    """Radius of the sphere that is largest over what it may be, the radius it may have, and its
+    station."""
     chain, radius, _ = stent
     # A sphere reaches over its neighbors at this distance, and need not be exact.
     line = chain.line.resampled(radius / 2)
@@ -166,7 +168,7 @@ def _widest(
     most = (1 + WIDER) * prescribed
     is_wide = around.room(stations, directions) > most
     if is_wide.any():
-        # What a rough search finds depends on the stations beside, so it is for all of them.
+        # The result of a rough search depends on the stations beside, so all are searched.
         low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
         near = triangles[may_meet_box(points, triangles, low, high)]
         found = inscribed_spheres(points, near, stations, directions, Until(ROUGH * radius))
@@ -174,7 +176,7 @@ def _widest(
     wide = np.flatnonzero(is_wide)
     if not len(wide):
         return nothing
-    # Fewer triangles are never nearer; where there is doubt all of them are looked at.
+    # Fewer triangles are never nearer, so only doubtful stations need all of them but the caps.
     triangles = triangles[~caps_across(before, chain.nodes, CAPS_WITHIN * radius)]
     widths = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
     native = inscribed_spheres(
@@ -186,7 +188,7 @@ def _widest(
 
 
 def _beside_wider_parts(chain: CapsuleChain, radius: float, stations: Points) -> Floats:
-    """Radii (n,), mm, that the wall round stations may have from the stent alone.
+    """Radii (n,), mm, that the wall round stations may have because of the stent alone.
 
     Wall cannot fall from a wide part to a narrow one more steeply than its facets allow: 45
     degrees.
@@ -200,10 +202,10 @@ def _beside_wider_parts(chain: CapsuleChain, radius: float, stations: Points) ->
 
 
 def _dragged(stent: Expected, stations: Points, native: Floats) -> Floats:
-    """How far (n,) wall that the stent does not reach may be drawn along by wider parts, mm.
+    """How far (n,) wall that the stent does not reach may be dragged along by wider parts, mm.
 
-    It moves the less the farther it is from them, as the method's blending has it, and not farther
-    out than it was from the stent, as its drag bound has it.
+    It moves less the farther it is from them, by the blending of the method, and no farther out
+    than it was away from the stent, by the drag bound.
     """
     chain, radius, influence = stent
     if chain.shares is None:
@@ -216,14 +218,15 @@ def _dragged(stent: Expected, stations: Points, native: Floats) -> Floats:
 
 
 def _profile(chain: CapsuleChain, radius: float, stations: Points) -> tuple[Floats, Floats]:
-    """Radii (n,) of a stent at places of its axis, and arc lengths of these, mm."""
+    """Radii (n,) of a stent beside some places, mm, and the arc lengths of these along its axis,
+    mm."""
     assert chain.shares is not None
     at = fractions_of(stations, chain.line)
     return radius * chain.shares.along(at), at * chain.length
 
 
 def _united(before: Points, chain: CapsuleChain, radius: float) -> Points:
-    """The surface of the native lumen and the stent together, nothing dragged along."""
+    """Points of the union of the native lumen and the stent, with nothing dragged along."""
     united = before.copy()
     low, high = chain.nodes.min(axis=0) - radius, chain.nodes.max(axis=0) + radius
     inside = np.flatnonzero(((before > low) & (before < high)).all(axis=1))
@@ -235,9 +238,9 @@ def _united(before: Points, chain: CapsuleChain, radius: float) -> Points:
 
 
 def _is_outside(around: WallAround, after: Surface, stations: Points, directions: Points) -> bool:
-    """Whether no station lies in a closed section of the lumen, nor otherwise inside.
+    """Whether no station lies inside of a closed section of the lumen, or of the lumen at all.
 
-    By the wall nearby first.
+    The wall nearby is asked first.
     """
     near = equivalent_diameters(around.points, around.triangles, stations, directions)
     return not (np.isfinite(near).any() or after.contains(stations).any())

@@ -1,7 +1,7 @@
-"""Take apart what still folds: a last, local resort after the deformation.
+"""Taking apart what still folds: a last, local resort after the deformation.
 
-Source of the remedy: measured in ../docs/method.md; smoothing the positions of the few vertices
-round a fold, under the constraint that none enters the stent, keeps the prescribed lumen.
+The positions of the few vertices round a fold are smoothed under the constraint that none enters
+the stent, which keeps the prescribed lumen. What this achieves was measured: see docs/method.md.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from .motion import Motion
 ROUNDS = 40
 ROUNDS_PER_RING = 4
 IDLE_ROUNDS = 10
-"""Rounds without fewer faults after which it is given up.
+"""Rounds without fewer faults after which untangling gives up.
 
-Of 144 that came to a good end in 450 random stents none was idle for more than 8."""
+Of the 144 that succeeded in 450 random stents none was idle for more than 8."""
 RELAXATION = 0.5
-"""Share of the way to the mean of the neighbors."""
+"""Share of the way to the mean of its neighbors that a vertex goes in a round."""
 
 WAYS_TO_UNTANGLE = ((RELAXATION, False), (0.2, False), (RELAXATION, True))
 """Shares of the way to the mean of the neighbors, and whether the lumen is relieved, in turn.
 
-The first is quick. The second gets some folds apart in which the first swings to and fro. The third
+The first is quick. The second resolves some folds in which the first swings to and fro. The third
 takes the facet compensation back round the fold: some facets there lie inside again, by up to the
-height of their arc, and those that it pushed into each other come free.
+height of their arc, and those that it had pushed into each other come free.
 """
 
 FEW_FAULTS = 20
-"""Faulty faces up to which the next way is tried; 4 to 11 were left where it helped."""
+"""Number of faulty faces up to which the next way is tried; 4 to 11 were left where it helped."""
 
 RELIEVED_RINGS = 3
 
@@ -46,15 +46,15 @@ class Relief(NamedTuple):
     center: Place
     """The point that was taken back farthest, mm."""
     depth: float
-    """By how much, mm: about as far as facets now lie inside."""
+    """How far that point was taken back, mm; facets now lie inside by about as much."""
 
     def caution(self) -> Caution:
-        """For the person who will use the surface."""
+        """A caution for the person who will use the surface."""
         return Caution("facets-inside", {"depth_mm": self.depth}, self.center)
 
 
 class Tangle(NamedTuple):
-    """A state with faults, and how it came about."""
+    """A state of the patch with its faults, and how it came about."""
 
     positions: Points
     """(n, 3) of all vertices of the patch, mm."""
@@ -67,14 +67,14 @@ class Tangle(NamedTuple):
 def taken_apart(
     motion: Motion, level: float, comparison: Comparison, folded: Tangle, uncompensated: Points
 ) -> Tangle:
-    """Untangle in one way after the other until nothing fails, or as little as it came to.
+    """Untangle in one way after the other; the best state counts, without a fault if possible.
 
     Parameters
     ----------
     motion, level, comparison : Motion, float, Comparison
         As for `untangled`.
     folded : Tangle
-        To begin with.
+        The state to begin with.
     uncompensated : (n, 3) array
         Points of the motion before the compensation of facets, mm.
     """
@@ -93,7 +93,7 @@ def taken_apart(
 def _relieved(
     folded: Tangle, comparison: Comparison, uncompensated: Points, motion: Motion
 ) -> Tangle:
-    """The facet compensation taken back round faulty faces, and what is faulty then."""
+    """The state with facet compensation taken back round faulty faces, and its faults."""
     triangles, positions = comparison.triangles, folded.positions.copy()
     neighbors = vertex_neighbors(triangles, len(positions))
     near = grown(np.unique(triangles[folded.faulty]), neighbors, RELIEVED_RINGS)
@@ -114,16 +114,16 @@ def untangled(
     begin: Tangle,
     relaxation: float = RELAXATION,
 ) -> Tangle:
-    """Smooth positions round faulty triangles until there are none, or as few as it came to.
+    """Smooth positions round faulty triangles; the best state counts, without a fault if possible.
 
     Parameters
     ----------
     motion : Motion
-        Over; the patch's first vertices are its points that can be touched.
+        The finished motion; the patch's first vertices are its points that can be touched.
     level : float
         Field level of the expanded stent, mm: no vertex outside it may enter.
     comparison : Comparison
-        With the patch before the deployment, consistently wound.
+        Comparison with the patch before the deployment, consistently wound.
     begin : Tangle
     relaxation : float
         Share of the way to the mean of the neighbors in every round.
@@ -131,7 +131,7 @@ def untangled(
     triangles, wall_count = comparison.triangles, int(np.count_nonzero(motion.touchable))
     after, bad = begin.positions.copy(), begin.faulty
     neighbors = vertex_neighbors(triangles, len(after))
-    # As far out as it was, or as the stent comes; looked at where it first moves.
+    # Least distance of each vertex: its own or that of the stent; found when it first moves.
     floor = (motion.distance_at(level) + motion.offset)[:wall_count]
     is_known = np.zeros(wall_count, dtype=bool)
     best, rounds, idle = begin, 0, 0
@@ -158,14 +158,14 @@ def untangled(
 
 
 def _faces_at(vertices: NDArray[np.int64], triangles: Triangles, count: int) -> NDArray[np.int64]:
-    """Faces with a corner at any of some vertices, of `count` in all."""
+    """Faces with a corner at any of some vertices; `count` is the number of all vertices."""
     is_there = np.zeros(count, dtype=bool)
     is_there[vertices] = True
     return np.flatnonzero(faces_at(is_there, triangles))
 
 
 def grown(vertices: NDArray[np.int64], neighbors: VertexNeighbors, rings: int) -> NDArray[np.int64]:
-    """Vertices of a surface with that many rings of neighbors."""
+    """Some vertices of a surface with a number of rings of neighbors round them."""
     for _ in range(rings):
         vertices = np.unique(np.concatenate([vertices, _rows(neighbors, vertices)[1]]))
     return vertices
@@ -182,7 +182,7 @@ def _neighbor_mean(
 def _rows(
     neighbors: VertexNeighbors, vertices: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Number of neighbors of some vertices and the neighbors themselves, row after row."""
+    """Number of neighbors of each of some vertices, and all the neighbors, row after row."""
     starts = neighbors.offsets[vertices]
     counts = neighbors.offsets[vertices + 1] - starts
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -190,26 +190,26 @@ def _rows(
 
 
 class Relaxed(NamedTuple):
-    """Where all points (n, 3) are, mm, and what the whole surface's certificate says."""
+    """Places of all points (n, 3), mm, and the verdict on the whole surface."""
 
     points: Points
     verdict: Verdict
 
 
 def relaxed(surface: Surface, points: Points, comparison: Comparison, first: Verdict) -> Relaxed:
-    """Smooth the outer side of a wall round its faults, until none is left or it gives up.
+    """Smooth the outer side of a wall round its faults until none is left, or give up.
 
-    In a crotch it is finer than the lumen and bends the other way: a shift that is smooth along
-    the lumen may be too steep for it there. The state with the fewest faults counts.
+    In a crotch the outer side is finer than the lumen and bends the other way, so that a shift that
+    is smooth along the lumen may be too steep for it. The state with the fewest faults counts.
 
     Parameters
     ----------
     surface : Surface
-        Before.
+        The surface before the deployment.
     points : (n, 3) array
-        After; those of the lumen stay.
+        Its points after the deployment, mm; those of the lumen stay.
     comparison, first
-        Of the whole surface, and its verdict on these points.
+        Comparison of the whole surface, and its verdict on these points.
     """
     whole = surface.whole
     goes_along = np.zeros(len(points), dtype=bool)
@@ -232,7 +232,7 @@ def relaxed(surface: Surface, points: Points, comparison: Comparison, first: Ver
 
 
 def _relaxed_once(surface: Surface, points: Points, free: Flags) -> Points:
-    """Points (n, 3), of which the free ones go a part of the way to the mean of their neighbors."""
+    """Points (n, 3), with the free ones moved a part of the way to the mean of their neighbors."""
     offsets, neighbors = surface.neighbors
     where = np.flatnonzero(free & (np.diff(offsets) > 0))
     counts = np.diff(offsets)[where]

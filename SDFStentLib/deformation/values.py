@@ -1,4 +1,4 @@
-"""What a deployment is about and what comes of it: task, states and result, as values."""
+"""A deployment as values: its task, its states and its result."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class DeploymentState(NamedTuple):
     """The vessel at one radius of the stent."""
 
     radius: float
-    """mm."""
+    """Radius of the stent, mm."""
     fraction: float
     """Radius over target radius, in [0, 1]; 1 for the finished state only."""
     indices: NDArray[np.int64]
     """(k,) points that have moved since the start."""
     coordinates: Points
-    """(k, 3) where they are now, mm."""
+    """(k, 3) their places now, mm."""
     companions: Points
     """(c, 3) all companion points (the centerline), mm."""
 
@@ -49,8 +49,8 @@ class DeploymentState(NamedTuple):
 
 
 FINE = 0.25
-"""Edge over the stent's radius that is advised: in 120 stents of straight and bent phantoms the
-lumen was 0.5 % too narrow then."""
+"""Advised edge length over the stent's radius: in 120 stents of straight and bent phantoms the
+lumen was 0.5 % too narrow with it."""
 
 
 @dataclass(frozen=True)
@@ -62,18 +62,18 @@ class DeploymentResult:
     state : DeploymentState
         The final state.
     surface : Surface
-        The deformed one.
+        The deformed surface.
     certificate : Certificate or None
         None when the settings did not ask for one.
     untangling_rounds : int
         Rounds of local smoothing that were needed to take folds apart; mostly 0.
     relief : Relief or None
-        Where facets had to stay inside the prescribed lumen for that; mostly None.
+        The place where facets had to stay inside the prescribed lumen for that; mostly None.
     estimated_error : float
         Stated distance to the converged limit of the radius steps, mm; 0 for published steps,
         which do not estimate theirs. It concerns the transition zone, not the finished lumen.
     motion : MotionCheck
-        How far the wall moved against what the method can move.
+        How far the wall moved, compared with what the method can move.
     """
 
     state: DeploymentState
@@ -92,7 +92,7 @@ class DeploymentResult:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DeploymentTask:
-    """What is deployed where, checked, with what follows from it. Nothing here changes.
+    """The checked inputs of a deployment and what follows from them. Immutable.
 
     Parameters and errors as for `Deployment`; None stands for what is not given.
     """
@@ -134,7 +134,7 @@ class DeploymentTask:
 
     @cached_property
     def is_used(self) -> NDArray[np.bool_]:
-        """Which points (n,) belong to a triangle; files exist with points that do not."""
+        """Whether each point (n,) belongs to a triangle; files exist with points that do not."""
         is_used = np.zeros(len(self.surface.points), dtype=bool)
         is_used[self.surface.triangles.ravel()] = True
         return is_used
@@ -142,7 +142,7 @@ class DeploymentTask:
     def lumen_checks(
         self, before: Surface, after: Surface, own: tuple[Surface, Surface] | None = None
     ) -> tuple[LumenCheck, ...]:
-        """`lumen_check` of this stent; none where the settings do not promise the lumen."""
+        """The `lumen_check` of this stent; empty where the settings do not promise the lumen."""
         if not (self.settings.finish and self.settings.facet_compensation):
             return ()
         stent = Expected(self.capsules, self.radius, self.settings.influence_distance)
@@ -150,18 +150,18 @@ class DeploymentTask:
 
     @property
     def has_several_parts(self) -> bool:
-        """Whether the surface has parts, each with a winding of its own."""
+        """Whether the surface has several parts, each with a winding of its own."""
         return self.surface.topology.component_count > 1
 
     @property
     def may_have_several_parts(self) -> bool:
-        """False where the parts were counted and there is one."""
+        """False where the parts are known and there is only one."""
         known = self.surface.known_topology
         return known is None or known.component_count > 1
 
     @property
     def is_known_consistently_wound(self) -> bool:
-        """Whether the winding has been looked at and is the same everywhere."""
+        """Whether the winding is known and is the same everywhere."""
         known = self.surface.known_topology
         return known is not None and known.is_consistently_wound
 
@@ -174,9 +174,9 @@ class DeploymentTask:
 
     @cached_property
     def outward_triangles(self) -> Triangles:
-        """The triangles wound so that normals point out of the lumen; files exist with others.
+        """The triangles wound so that normals point out of the lumen, whatever the file had.
 
-        Of a closed surface in one piece the signed volume tells; anything else is turned part by
+        The signed volume decides for a closed surface in one piece; any other is turned part by
         part, open parts away from the stent axis.
         """
         shape, points, triangles = (
@@ -190,9 +190,9 @@ class DeploymentTask:
 
 
 def away_from_wall(task: DeploymentTask) -> DeploymentError:
-    """What is said about a stent that no point of the wall is near.
+    """The error for a stent that no point of the wall is near.
 
-    The wall itself may be: between points that are farther apart than the vessel is wide.
+    The wall itself may be near, between points that are farther apart than the vessel is wide.
     """
     reach = task.radius + task.settings.influence_distance
     found = SurfaceIndex(task.surface.points, task.surface.triangles).distances(task.capsules.nodes)

@@ -1,8 +1,9 @@
-"""The wall round a stent: the room that it leaves, and whose it is, by degrees.
+"""The wall round a stent: the room that it leaves, and the share of it that is the lumen's own.
 
-The far wall of a neighbor faces away from the stent as well, but is joined to the stented lumen
-only by walls that do not. A limit between own and foreign would let a hair's breadth decide
-whether wall is drawn in by a millimeter or not, so wall becomes foreign little by little."""
+The far wall of a neighboring vessel faces away from the stent as well, but is joined to the stented
+lumen only by walls that do not. A sharp limit between own and foreign would let a hair's breadth
+decide whether wall is drawn in by a millimeter or not, so wall becomes foreign by degrees.
+"""
 
 from __future__ import annotations
 
@@ -25,17 +26,17 @@ from ..lumen import LocalSurface
 from ..validation import Flags, Floats, Points, Triangles
 
 WITNESSES = 3000
-"""Points of the wall, about, by which the room round a station is judged."""
+"""Number of points of the wall, about, by which the room round a station is judged."""
 
 SIDES, ASIDE = 12, np.deg2rad(45.0)
-"""Directions across the axis, and how far aside a witness may lie: so there is one within 60
-degrees of every direction across."""
+"""Number of directions across the axis, and the angle that a witness may lie aside of one: so every
+direction across has a witness within 60 degrees."""
 
 TOGETHER, PAIRS = 8, 4096
-"""Stations, each of which has a bit, and pairs with triangles that are looked at together."""
+"""Number of stations, each of which has a bit, and of pairs with triangles, looked at together."""
 
 ROUNDING = 1e-12
-"""Share of the square of the largest distance that takes part."""
+"""Rounding of a squared distance, over the largest square that takes part in it."""
 
 
 class WallAround:
@@ -44,17 +45,18 @@ class WallAround:
     Parameters
     ----------
     points, triangles : (n, 3) and (m, 3) arrays
-        Of the whole surface.
+        Points and triangles of the whole surface.
     axis : (k, 3) array
-        mm.
+        Points of the axis, mm.
     reach : float
-        How far beyond the axis the box goes, mm.
+        Distance by which the box reaches beyond the axis, mm.
 
     Attributes
     ----------
     faces : (t,) array
         Numbers of the triangles in the whole surface.
     points, triangles : (p, 3) and (t, 3) arrays
+        The triangles in the box and the points that they use, mm.
     """
 
     def __init__(self, points: Points, triangles: Triangles, axis: Points, reach: float) -> None:
@@ -66,27 +68,28 @@ class WallAround:
         self.points, self.triangles = compacted(points, triangles.take(self.faces, axis=0))
 
     def within(self, reach: float) -> Flags:
-        """Which of the triangles (t,) are in a smaller box."""
+        """Whether each of the triangles (t,) may lie in a smaller box."""
         return may_meet_box(self.points, self.triangles, self._low - reach, self._high + reach)
 
     def distances(self, stations: Points) -> Floats:
         """Exact distance (k,) from stations on the axis to the whole surface, mm.
 
-        A triangle is nearest in the foot on its plane or on a side. So the square of its distance
-        is below that of its nearest corner by a third of the square of its longest side at most,
-        and few triangles are looked at.
+        The nearest place of a triangle is the foot on its plane or on a side. So its squared
+        distance is less than that of its nearest corner by a third of the square of its longest
+        side at most, and only few triangles need a closer look.
         """
         found = np.full(len(stations), np.inf)
         for first in range(0, len(stations) if len(self.points) else 0, TOGETHER):
             some = slice(first, first + TOGETHER)
             self._shorten(found[some], stations[some])
-        # What is out of the box is farther away than this.
+        # Triangles out of the box are farther away than this.
         if (found > self._reach).any():
             return LocalSurface(*self._whole, stations).distances(stations)
         return found
 
     def room(self, stations: Points, directions: Points) -> Floats:
-        """No sphere that holds a station has a larger radius (k,), mm, its middle being across.
+        """Upper bound (k,) of the radius, mm, of spheres that hold a station and have their middle
+        across.
 
         A middle at x from a station, in a direction that makes up to 60 degrees with that of a
         witness at w, is x^2 - x w + w^2 or less from the witness, squared: less than w^2 where x
@@ -95,7 +98,7 @@ class WallAround:
         Parameters
         ----------
         stations, directions : (k, 3) arrays
-            On the axis, mm, and along it, of unit length.
+            Places on the axis, mm, and unit directions along it.
         """
         witnesses = self.points[:: max(1, len(self.points) // WITNESSES)]
         angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
@@ -110,8 +113,12 @@ class WallAround:
 
     @cached_property
     def _corners(self) -> tuple[Points, Floats, Floats]:
-        """Points (3, p) from the middle of the box, mm; halves (p,) of their squares; and of a
-        third of the square of the longest side of the triangles there, with what rounding does."""
+        """Corners and the squares that a distance needs, for `_shorten`.
+
+        Points (3, p) from the middle of the box, mm; half of their squared lengths (p,); and half
+        of the slack (p,): a third of the squared longest side of the triangles at a point, and
+        rounding.
+        """
         corners = np.ascontiguousarray((self.points - self._middle).T)
         halves = np.einsum("ij,ij->j", corners, corners) / 2
         ends = [corners.take(corner, axis=1) for corner in self.triangles.T]
@@ -123,9 +130,10 @@ class WallAround:
         return corners, halves, slack + ROUNDING * halves.max()
 
     def _shorten(self, found: Floats, stations: Points) -> None:
-        """Set distances (k,) of up to eight stations, where there is wall."""
+        """Lower the distances (k,) of up to eight stations, where there is wall."""
         corners, halves, slack = self._corners
-        # Half of the squares of the distances, but for the stations' own, the same for all.
+        # Half of the squared distances, without the station's own square, which is the same for
+        # all.
         squares = halves - product(stations - self._middle, corners)
         nearest = squares.min(axis=1, keepdims=True)
         near = bits(squares <= nearest + slack)[0]
@@ -144,29 +152,30 @@ class WallAround:
 FOREIGN = 0.01
 """Share of the tissue gap from which on wall is foreign.
 
-It keeps that share where it is turned from the stent by 64 degrees, none up to 60, all from 120 on.
+Wall keeps that share where it is turned from the stent by 64 degrees, none up to 60, all from 120
+on.
 """
 
 
 def own_share(sides: NDArray[np.int64], tissue: Floats, nearest: int) -> Floats:
-    """How far vertices (n,) are wall of the lumen that one of them is of, from 1 to 0.
+    """Shares (n,), from 1 to 0, with which vertices are wall of the lumen of one of them.
 
-    As the links of a chain: the most foreign vertex on the best way there decides.
+    A chain is as strong as its weakest link: the most foreign vertex on the best way there decides.
 
     Parameters
     ----------
     sides : (m, 2) array
-        Vertices that are joined.
+        Pairs of vertices that are joined.
     tissue : (n,) array
-        Share of the tissue gap that each keeps from the stent, in [0, 1].
+        Share of the tissue gap that each vertex keeps from the stent, in [0, 1].
     nearest : int
-        A vertex of the stented lumen for certain, without tissue.
+        A vertex that is certain to be of the stented lumen, without tissue.
     """
     # Column by column: a reduction over rows of two takes several times as long.
     first, second = sides.T
     is_free, may_be = tissue == 0, tissue < FOREIGN
     joins_free = is_free[first] & is_free[second]
-    # Free wall that hangs together is one node of what has to be searched.
+    # Connected free wall is a single node of the graph that has to be searched.
     count, part = connected(len(tissue), first[joins_free], second[joins_free])
     keeps = np.zeros(count)
     keeps[part] = tissue

@@ -1,4 +1,4 @@
-"""Whether the wall lies inside of a stent.
+"""The check whether the wall lies inside of a stent.
 
 A sphere climbs to where there is room: beside a stent that lies off the middle of a wide lumen, or
 where the stent is narrower beside it. So the wall itself is looked at: its distance from the line
@@ -18,13 +18,13 @@ from ..geometry import Line, compacted, norm
 from ..validation import Floats, Points, Triangles, as_place
 
 PLACES = 5
-"""Looked at along every side of a triangle, its corners among them."""
+"""Number of places checked along every side of a triangle, its corners among them."""
 
 FINE_PLACES = 13
-"""The same where a triangle crosses the plane at an end of the stent, or may be too far inside."""
+"""The same number where a triangle crosses the plane at an end of the stent, or may be too deep."""
 
 CLEARLY = NOTICEABLY_NARROWER
-"""Share of the radius; what lies less than that inside is not looked at."""
+"""Share of the radius up to which wall may lie inside without being looked at."""
 
 ROUNDING = 1e-9
 
@@ -37,10 +37,10 @@ def wall_check(
     Parameters
     ----------
     points, triangles : (n, 3) and (m, 3) arrays
-        Of the wall, without the caps of in- and outlets.
+        Points and triangles of the wall, without the caps of inlets and outlets.
     chain : CapsuleChain
     radius : float
-        The largest of the stent, mm.
+        Largest radius of the stent, mm.
     """
     nowhere = WallCheck(radius, 0.0, as_place(chain.nodes[0]))
     if not len(triangles):
@@ -60,9 +60,9 @@ def wall_check(
 def _doubtful(
     points: Points, triangles: Triangles, chain: CapsuleChain, radius: float
 ) -> Triangles:
-    """The triangles that may lie inside."""
+    """The triangles that may lie inside of the stent."""
     corners, local = compacted(points, triangles)
-    # The nodes may be as far beside the axis; so may a distance from them.
+    # The nodes may lie this far beside the axis, so a distance from them may be off by as much.
     beside = float(chain.line.nearest(chain.followed.points).distances.max())
     distance = chain.axis_distance(corners) - beside
     widest = np.full(len(local), radius)
@@ -80,25 +80,26 @@ def _doubtful(
 
 
 class _Depths(NamedTuple):
-    """Of places all over some triangles."""
+    """How deep places all over some triangles lie inside of a stent."""
 
     places: Points
-    """(t, p, 3) mm."""
+    """(t, p, 3) places, mm."""
     wanted: Floats
-    """(t, p) radius of the stent there, mm."""
+    """(t, p) radius of the stent beside each, mm."""
     share: Floats
-    """(t, p) of that radius by which they lie inside."""
+    """(t, p) depth inside of the stent as a share of that radius."""
     crosses_end: NDArray[np.bool_]
-    """(t,) whether some lie beside the stent and others beyond an end."""
+    """(t,) whether some places of a triangle lie beside the stent and others beyond an end."""
 
 
 def _depths(corners: Points, along: int, chain: CapsuleChain, radius: float) -> _Depths:
-    """How far places of triangles (t, 3, 3) lie inside, `along` of them on every side."""
+    """How deep places of triangles (t, 3, 3) lie inside; there are `along` of them
+    on every side."""
     places = np.einsum("pc,tcx->tpx", _weights(along), corners)
     shape, flat = places.shape[:2], places.reshape(-1, 3)
     axis_length, nearest = chain.followed.length, chain.followed.nearest(flat)
-    # Which place of a bent axis a place of the wall is beside is a matter of the method where the
-    # profile changes; it is inside where it is by both.
+    # On a bent axis the place of the axis beside a place of the wall depends on the method, which
+    # matters where the profile changes; a place is inside where it is by both methods.
     feet = [nearest.arc_lengths / axis_length]
     if chain.shares is not None:
         feet.append(fractions_of(flat, chain.line))
@@ -119,9 +120,9 @@ def _depths(corners: Points, along: int, chain: CapsuleChain, radius: float) -> 
 
 
 def _way_out(across: Floats, chain: CapsuleChain, radius: float, axis_length: float) -> Floats:
-    """Shortest way (n,) out of a stent, mm, from places along and across its axis (n, 2), mm.
+    """Shortest way (n,) out of a stent, mm, from places given along and across its axis (n, 2), mm.
 
-    Where its radius changes steeply that is along the axis, as it is at an end.
+    Where its radius changes steeply, and at an end, the shortest way is along the axis.
     """
     at, own = np.array([0.0, 1.0]), np.array([radius, radius])
     if chain.shares is not None:
@@ -133,7 +134,7 @@ def _way_out(across: Floats, chain: CapsuleChain, radius: float, axis_length: fl
 
 
 def _radii(chain: CapsuleChain, radius: float, foot: Floats) -> Floats:
-    """Radius (n,) of the stent at parts of its length, mm."""
+    """Radius (n,) of the stent at places given as parts of its length, mm."""
     if chain.shares is None:
         return np.full(len(foot), radius)
     return radius * chain.shares.along(foot)
