@@ -80,8 +80,7 @@ class Expanded(NamedTuple):
 
 
 class OnStent(NamedTuple):
-    """Positions (n, 3) of all points, mm, and the numbers (k,) of those that newly lie on the
-    stent."""
+    """Positions (n, 3) of all points, mm, and the numbers (k,) of those newly on the stent."""
 
     positions: Points
     numbers: NDArray[np.int64]
@@ -173,10 +172,7 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
 def _allowed(
     lumen: NDArray[np.float64], native: NDArray[np.float64], radius: float
 ) -> NDArray[np.float64]:
-    """Largest distance (n,) from the axis at which wall in a lumen may end, all in mm.
-
-    `native` is the distance that the wall had before.
-    """
+    """Largest distance (n,) from the axis where wall of a native distance may end, all in mm."""
     unreached = np.minimum((lumen / radius - 1) / UNREACHED, 1)
     factor = DRAG_BOUND + (UNREACHED_BOUND - DRAG_BOUND) * unreached
     return lumen + factor * np.maximum(native - lumen, 0)
@@ -185,8 +181,7 @@ def _allowed(
 def _native_lumen(
     motion: Motion, nearest: NDArray[np.float64], beside: Points, radius: float
 ) -> NDArray[np.float64]:
-    """Distance (n,), mm, from the axis beside points to the nearest wall; `nearest` is that at the
-    nodes."""
+    """Distance (n,), mm, from the axis beside points to the nearest wall, by those at the nodes."""
     line = motion.chain.line
     along = line.arc_lengths / line.arc_lengths[-1]
     found = np.interp(fractions_of(beside, line), along, nearest)
