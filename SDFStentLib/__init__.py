@@ -68,7 +68,8 @@ _CONTENTS = {
     "lumen": "diameter_profile",
     "plan": "Plan compare load_plan run_plan save_plan",
     "report": "before_after_picture plan_report stent_rows write_report",
-    "stent": "AlongAxis AtCenter AtDistalEnd AtProximalEnd BetweenPoints Device Stent stent_axis",
+    "stent": "AlongAxis AtCenter AtDistalEnd AtLesion AtProximalEnd BetweenPoints Device OnBranch "
+    "Stent stent_axis",
     "treatment": "Treatment",
     "validation": "DeploymentError InputError",
     "version": "__version__",

@@ -17,7 +17,7 @@ from SDFStentLib.flow import FlowModel, Known, Part, SideClues, channels_of, kno
 from SDFStentLib.phantoms import arch_with_coarctation, stenosed_tube
 from SDFStentLib.plan import flow_answer, flow_model, read_input_files
 from SDFStentLib.stent import Stent
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.treatment import Treatment, placement_at
 
 from .common import Found, markdown, progress, run_alone
 from .sweep import DATA_FOLDER
@@ -70,7 +70,9 @@ def patient() -> tuple[list[tuple[float, ...]], float]:
     known = Known(2500 / 60, inlet=38.0, wedge=10.0, split_right=0.8)
     model = flow_model(vessel, known, "LPS")
     assert vessel.lesions
-    stent = Stent(6.0, placement=vessel.place_at(vessel.lesions[0], 34.0, 0.0), length=34.0)
+    assert vessel.centerline is not None
+    place = placement_at(vessel.lesions[0], vessel.centerline, 34.0, 0.0)
+    stent = Stent(6.0, placement=place, length=34.0)
     treatment = Treatment(vessel.surface, (stent,), vessel.centerline)
     for _ in treatment:
         pass

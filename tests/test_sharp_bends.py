@@ -20,7 +20,7 @@ from SDFStentLib.phantoms import (
 )
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.stent import Stent
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.treatment import Treatment, placement_at
 
 MMHG, RHO = 133.322, 1060.0
 
@@ -201,7 +201,8 @@ def test_the_range_behind_the_stent_of_a_patient_holds_what_finite_volumes_have(
     """docs/flow.md: a bend of 0.8 diameters behind an ostium; 0.71 and, on the finer mesh, 0.67."""
     names = (str(data_dir / f"su0243_{one}_mm.vtp") for one in ("surface", "centerline"))
     vessel = read_input_files(*names, "mm").vessel
-    stent = Stent(6.0, placement=vessel.place_at(vessel.lesions[0], 34.0, 0.0), length=34.0)
+    place = placement_at(vessel.lesions[0], vessel.centerline, 34.0, 0.0)
+    stent = Stent(6.0, placement=place, length=34.0)
     treatment = Treatment(vessel.surface, (stent,), vessel.centerline)
     for _ in treatment:
         pass

@@ -252,7 +252,7 @@ def test_a_stent_that_is_long_enough_covers_a_lesion_that_is_narrowest_at_one_en
     (lesion,) = a_vessel.lesions
     aside = replace(lesion, arc_length=lesion.start + 0.5)
     for length_mm, left in ((math.ceil(lesion.length), 0.0), (6.0, lesion.length - 6.0)):
-        place = a_vessel.place_at(aside, length_mm, 0.0)
+        place = placement_at(aside, a_vessel.centerline, length_mm, 0.0)
         stent = Stent(6.0, placement=place, length=length_mm, foreshortening_fraction=0.0)
         axis = stent_axis(stent, a_vessel.centerline).line
         assert uncovered_length(lesion, [axis]) == pytest.approx(left, abs=1.6 * (left > 0))

@@ -11,7 +11,8 @@ from SDFStentLib import InputError
 from SDFStentLib.cohort import Cases, load_sweep, sweep_from_document, sweep_schema
 from SDFStentLib.cohort.axes import NAMES
 from SDFStentLib.cohort.cases import Samples
-from SDFStentLib.cohort.placing import Excluded, plan_of_case
+from SDFStentLib.cohort.constraints import Excluded
+from SDFStentLib.cohort.varied import plan_of_case
 from SDFStentLib.geometry import Line
 from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.plan import read_plan_inputs, treatment_of
@@ -236,7 +237,8 @@ class Swept:
 
     def axis(self, at=0):
         vessel = self.inputs.vessel
-        return axis_in_vessel(self.plan(at).stents[0], vessel.centerline, vessel.surface).points
+        stent = vessel.placed(self.plan(at).stents[0])
+        return axis_in_vessel(stent, vessel.centerline, vessel.surface).points
 
 
 def middle_of(axis):
@@ -251,6 +253,24 @@ def test_a_fraction_is_that_of_the_branch(folder):
         assert middle_of(swept.axis(at))[2] == pytest.approx(
             share * line.arc_length.max(), abs=1e-6
         )
+
+
+def test_a_place_in_a_sweep_is_that_of_a_plan(folder):
+    """Also where the base plan has none, and no length."""
+    from cohort_cases import PLAN
+
+    from SDFStentLib.stent import AtLesion, OnBranch
+
+    plan = {**PLAN, "stents": [{"name": "varied"}]}
+    for place, expected in (
+        ({"lesion": [1], "offset": [-2, 3]}, [AtLesion(1, -2.0), AtLesion(1, 3.0)]),
+        ({"lesion": [1]}, [AtLesion(1, 0.0)]),
+        ({"branch": [1], "distance": [9, 12]}, [OnBranch(1, 9.0), OnBranch(1, 12.0)]),
+    ):
+        swept = Swept(folder, plan=plan, axes={"diameter": [6], "length": [9], **place})
+        stents = [swept.plan(at).stents[0] for at in range(len(swept.cases))]
+        assert [one.placement for one in stents] == expected
+        assert swept.patient.plan.stents[0].placement is None
 
 
 def test_a_diameter_over_the_reference_is_that_of_the_lesion(folder):
@@ -305,7 +325,7 @@ def test_what_keeps_to_the_constraints_is_not_excluded(folder):
 @pytest.mark.parametrize(
     ("axes", "sentence"),
     [
-        ({"lesion": [7]}, "lesion: expected one of the 1 there are, got 7"),
+        ({"lesion": [7]}, "lesion: expected 1, for so many there are, got 7"),
         ({"branch": [4], "distance": 1}, "branch: expected 1 to 1 or one of"),
         ({"branch": ["LPA"], "distance": 1}, "got 'LPA'"),
         ({"branch": [1], "distance": [400]}, "distance: expected a number at least 0 and at most"),
@@ -322,7 +342,7 @@ def test_a_place_needs_a_centerline(folder):
     from cohort_cases import PLAN
 
     plan = {**PLAN, "inputs": {"units": "cm", "surface": {"file": "tube.vtp"}}}
-    with pytest.raises(InputError, match="expected a patient with a centerline"):
+    with pytest.raises(InputError, match="expected a centerline for a place"):
         Swept(folder, plan=plan).plan()
 
 

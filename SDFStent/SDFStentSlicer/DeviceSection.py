@@ -109,7 +109,7 @@ class DeviceSection:
     def _tell(self, stent):
         """What is known of device and balloon, in the words of the report."""
         try:
-            planned = Sizes.somewhere(stent)
+            planned = Sizes.unplaced(stent)
         except InputError:
             sentences = []  # the line below Deploy says why
         else:

@@ -142,6 +142,18 @@ class Inputs:
         except InputError as error:
             return (), str(error)
 
+    def placedInPortions(self, parameterNode, stent):
+        """A stent of the library at a lesion, or on a branch, by its point in RAS; a generator as those above."""
+        if None in (parameterNode.vessel, parameterNode.centerline):
+            raise InputError(
+                _(
+                    "expected a vessel and a centerline for a place at a lesion or on a branch, got none; choose both first."
+                )
+            )
+        search = self.lesions(parameterNode)
+        yield from search.portions()
+        return (yield from inPortions(lambda: search.placed(stent)))
+
     def nativeLumenInPortions(self, parameterNode, stent):
         """Smallest inscribed diameter where a stent of the library lies, before it, mm; a generator as those above."""
         vessel = yield from self.vesselInPortions(parameterNode)

@@ -100,6 +100,12 @@ class LesionSearch:
         root = partings[np.argmin(tree.arc_length[partings])] if len(partings) else 0
         return _("right") if lesion.point[0] > tree.points[root, 0] else _("left")
 
+    def placed(self, stent):
+        """A stent of the library where it lies in the vessel; once `portions` was run to its end. Raises as `Vessel.placed`."""
+        if self._vessel is None:
+            raise InputError(self.sentence)
+        return self._vessel.placed(stent)
+
     def flow(self, known, result):
         """The library's `FlowAnswer` for what is `known` of the flow, and a result; once `portions` was run to its end.
 

@@ -39,7 +39,7 @@ from .ParameterNode import (
     stentsOf,
 )
 from .Planning import Planning
-from .Portions import working
+from .Portions import untilDone, working
 from .Previewing import Previewing
 from .Snapping import Snapping
 from .Suggesting import Suggesting
@@ -137,7 +137,11 @@ class SDFStentLogic(
     def loadPlan(self, path, parameterNode):
         """Replace stents and method by those of a plan document; what to know about it is in `status` afterwards."""
         former = [stent.handle for stent in stentsOf(parameterNode)]
-        parameterNode.status = Plans.load(path, parameterNode)
+
+        def placed(stent):
+            return untilDone(self._inputs.placedInPortions(parameterNode, stent))
+
+        parameterNode.status = Plans.load(path, parameterNode, placed)
         plans = map(self.parameterSet, self.getAllParameterNodes())
         used = [stent.handle for plan in plans for stent in stentsOf(plan)]
         for handle in {one for one in former if one not in used}:

@@ -19,7 +19,7 @@ from SDFStentLib.plan import (
     stent_details,
     turned,
 )
-from SDFStentLib.stent import InputFile, OfStent
+from SDFStentLib.stent import InputFile, OfStent, OfVessel
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Dependencies, Flow, Handles, Sizes
@@ -38,7 +38,7 @@ from .StentList import StentList
 def plannedOf(parameterNode):
     """All stents in order as the library's: a number is that of the saved plan, also where stents above are switched off.
 
-    One that is off and lies nowhere yet is there by its name only.
+    One that is off may lie nowhere yet; where its sizes do not fit together either it is there by its name.
     """
     return _allPlanned(stentsOf(parameterNode), isPlan=False)
 
@@ -56,13 +56,20 @@ def isUnplaced(stent, again=None):
 
 
 def _allPlanned(stents, isPlan=True):
-    """The library's stents of some parameters, with those that are dilated again; unless for a plan, `Sizes.nowhere` among them."""
-    planned, redilations = [], []
+    """The library's stents of some parameters, each followed by itself where it is dilated again at once."""
+    planned = []
     for stent, again in zip(stents, Sizes.numbersAgain(stents), strict=True):
-        isNowhere = not (isPlan or stent.enabled) and isUnplaced(stent, again)
-        planned.append(Sizes.nowhere(stent) if isNowhere else plannedStent(stent, again))
-        redilations.append(Sizes.WIDER * (stent.redilation > 0) if isNowhere else stent.redilation)
-    return Sizes.withRedilations(planned, redilations)
+        isNowhere = not stent.enabled and isUnplaced(stent, again)
+        isAgain = stent.redilation > 0
+        if isNowhere and not isPlan and Sizes.refusal(stent):
+            named = library.Stent(stent.diameter, name=stent.label, enabled=False)
+            planned += [named] * (1 + isAgain)
+            continue
+        own = plannedStent(stent, again, isNowhere)
+        planned.append(own)
+        if isAgain:
+            planned.append(Sizes.dilatedAgain(own, len(planned), stent.redilation))
+    return planned
 
 
 def settingsOf(parameterNode, live=False):
@@ -114,11 +121,11 @@ def forgetMethod(parameterNode):
 
 
 def remember(parameterNode):
-    """Keep the plan's document in the parameter node; without stents that are switched off and cannot be placed yet."""
-    stents = stentsOf(parameterNode)
-    numbered = zip(stents, Sizes.numbersAgain(stents), strict=True)
-    placed = [stent for stent, again in numbered if not isUnplaced(stent, again)]
-    parameterNode.planDocument = plan_text(planOf(parameterNode, placed))
+    """Keep the plan's document in the parameter node; without stents that are switched off and whose sizes do not fit together."""
+    stents = [
+        stent for stent in stentsOf(parameterNode) if stent.enabled or not Sizes.refusal(stent)
+    ]
+    parameterNode.planDocument = plan_text(planOf(parameterNode, stents))
 
 
 def save(path, parameterNode):
@@ -127,21 +134,38 @@ def save(path, parameterNode):
     return _withoutFiles(parameterNode)
 
 
-def load(path, parameterNode):
+def load(path, parameterNode, placed):
     """Replace stents and method by those of a plan document; its handles are made, the old ones are nobody's then.
 
+    `placed(stent)` brings a stent at a lesion, or on a branch, to its point in the vessel, in RAS.
     Returns what there is to know of it, such as that the plan does not say in which frame its points are, or "".
     """
     plan = load_plan(path)
+    found = [isinstance(stent.placement, OfVessel) for stent in plan.stents]
+    hasFrame = plan.frame is not None
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
-    _take(replace(plan, frame=frame), path, parameterNode, {})
+    plan = replace(plan, frame=frame, stents=tuple(_inVessel(path, plan.stents, frame, placed)))
+    _take(plan, path, parameterNode, {})
     told = []
+    if any(found):
+        told.append(_("Places at lesions and on branches are points now, for the mouse to take."))
     if plan.flow is not None and plan.flow.wave is not None:
         told.append(_("Of the wave of the plan's flow the mean and the peak are taken."))
-    if plan.frame is None:
+    if not hasFrame:
         words = _("The plan does not name the frame of its points; {frame} is taken.")
         told.append(words.format(frame=frame))
     return " ".join(told)
+
+
+def _inVessel(path, stents, frame, placed):
+    """The stents of a plan, by a point where their places are those of a vessel; its complaints with file and number."""
+    for number, stent in enumerate(stents, start=1):
+        if isinstance(stent.placement, OfVessel):
+            try:
+                stent = _inFrame(placed(stent), frame)
+            except InputError as error:
+                raise error.labeled(f"{path}: stent {number}: ") from error
+        yield stent
 
 
 def textOf(parameterNode, hasFiles=True):
@@ -151,19 +175,18 @@ def textOf(parameterNode, hasFiles=True):
 
 def restore(text, parameterNode):
     """Bring back stents and method of such a text, with the handles that there are and new ones for stents that were removed."""
-    former = {stent.label: stent.handle for stent in stentsOf(parameterNode)}
+    former = {stent.label: stent for stent in stentsOf(parameterNode)}
     chosen = parameterNode.selected
     with slicer.util.NodeModify(parameterNode):
         _take(plan_from_document(json.loads(text)), _("Plan"), parameterNode, former)
         StentList(parameterNode).select(min(max(chosen, 0), len(parameterNode.stents) - 1))
     left = [stent.handle for stent in stentsOf(parameterNode)]
-    for handle in former.values():
-        if handle not in left:
-            Handles.removeHandle(handle)
+    for handle in {stent.handle for stent in former.values()}.difference(left):
+        Handles.removeHandle(handle)
 
 
-def _take(plan, path, parameterNode, handles):
-    """Replace stents and method; `handles` by the names of their stents are moved to where they belong, others made."""
+def _take(plan, path, parameterNode, former):
+    """Replace stents and method; handles of `former` stents of the same names are moved to where they belong, others made."""
     rows = _rows(path, plan.stents)
     planned = [_inFrame(row.stent, plan.frame) for row in rows]
     stents = [
@@ -178,12 +201,13 @@ def _take(plan, path, parameterNode, handles):
     for values, stent, row in zip(
         stents, planned, rows, strict=True
     ):  # nothing is refused from here on
-        isAgain = row.original is not None
-        values["handle"] = (
-            stents[row.original]["handle"]
-            if isAgain
-            else _handleOf(stent, values["label"], handles.get(values["label"]))
-        )
+        own = former.get(values["label"])
+        if row.original is not None:
+            values["handle"] = stents[row.original]["handle"]
+        elif stent.placement is None and own is not None:  # as it was
+            values["handle"], values["placement"] = own.handle, own.placement
+        else:
+            values["handle"] = _handleOf(stent, values["label"], own and own.handle)
     with slicer.util.NodeModify(parameterNode):
         parameterNode.method = MethodParameters(**method)
         for name, value in flow.items():
@@ -273,9 +297,10 @@ def _planned(document):
     return plan_from_document({**json.loads(document), "stents": []}) if document else Plan()
 
 
-def plannedStent(stent, number=None):
-    """The library's stent; `number` is that of the one which it dilates again."""
-    planned = Sizes.stentAt(stent, _placementOf(stent, number), stent.label)
+def plannedStent(stent, number=None, isNowhere=False):
+    """The library's stent, at no place where it is nowhere; `number` is that of the one which it dilates again."""
+    place = None if isNowhere else _placementOf(stent, number)
+    planned = Sizes.stentAt(stent, place, stent.label)
     return planned if stent.enabled else replace(planned, enabled=False)
 
 
@@ -320,6 +345,8 @@ def _handleOf(planned, label, former=None):
 
 
 def _kindAndPoints(placement):
+    if placement is None:
+        return Placement.CENTER, []
     for kind, cls in BY_POINT.items():
         if isinstance(placement, cls):
             return kind, [placement.point]

@@ -4,8 +4,6 @@ from dataclasses import replace
 from functools import lru_cache
 from types import SimpleNamespace
 
-import numpy as np
-
 from SDFStentLib import stent as library
 from SDFStentLib.plan import StentSizes, detailed_stent, read_details
 from SDFStentLib.stent import dilated_again
@@ -13,11 +11,17 @@ from SDFStentLib.validation import InputError
 
 from .ParameterNode import REMEDIES, Placement, stentsOf
 
-BY_POINT = {
+KINDS = {
     Placement.CENTER: library.AtCenter,
     Placement.DISTAL_END: library.AtDistalEnd,
     Placement.PROXIMAL_END: library.AtProximalEnd,
+    Placement.BETWEEN_POINTS: library.BetweenPoints,
+    Placement.ALONG_CURVE: library.AlongAxis,
+    Placement.AGAIN: library.OfStent,
 }
+"""What the library calls them."""
+
+BY_POINT = {kind: one for kind, one in KINDS.items() if not kind.usesHandleLength}
 
 SIZES = (
     "diameter",
@@ -71,7 +75,7 @@ def balloonOf(stent):
     """The balloon that leaves the stent's lumen, or None."""
     kept = detailsOf(stent).balloon
     try:
-        return kept and somewhere(stent).balloon
+        return kept and unplaced(stent).balloon
     except InputError:
         return kept
 
@@ -85,13 +89,13 @@ def shapeOf(stent):
     """What makes the stent another than a cylinder, or None."""
     kept = detailsOf(stent).shape
     try:
-        return kept and somewhere(stent).shape
+        return kept and unplaced(stent).shape
     except InputError:
         return kept
 
 
-def stentAt(stent, placement, label=""):
-    """The library's stent of these parameters at a place of its kind."""
+def stentAt(stent, placement=None, label=""):
+    """The library's stent of these parameters at a place, or at none yet."""
     isAgain = stent.placement == Placement.AGAIN
     isByDevice = stent.deviceShortening and (isAgain or detailsOf(stent).device is not None)
     sizes = StentSizes(
@@ -102,25 +106,11 @@ def stentAt(stent, placement, label=""):
     return detailed_stent(stent.details, sizes, placement, label)
 
 
-def somewhere(stent):
-    """The library's stent at no place yet. Raises `InputError` where its sizes do not fit together."""
-    places = {
-        Placement.BETWEEN_POINTS: lambda: library.BetweenPoints(np.zeros(3), np.ones(3)),
-        Placement.ALONG_CURVE: lambda: library.AlongAxis([[0, 0, 0], [1, 1, 1]]),
-        Placement.AGAIN: lambda: library.OfStent(1),
-    }
-    place = places.get(stent.placement, lambda: BY_POINT[stent.placement](np.zeros(3)))
-    return stentAt(stent, place())
-
-
-WIDER = 2.0
-"""To which a stent that is nowhere is dilated again, mm."""
-
-
-def nowhere(stent):
-    """A stent of the library that is switched off, 1 mm wide, in the place of one that cannot be made yet."""
-    place = library.AtCenter(np.zeros(3))
-    return library.Stent(1.0, placement=place, length=1.0, name=stent.label, enabled=False)
+def unplaced(stent):
+    """The library's stent at no place yet. Raises `InputError` where its sizes do not fit together, or to a place of its kind."""
+    planned = stentAt(stent)
+    planned.check_kind(KINDS[stent.placement])
+    return planned
 
 
 def numbersAgain(stents):
@@ -154,18 +144,18 @@ def dilatedBy(parameterNode):
 
 def lumenLeft(stent):
     """The lumen that a stent leaves, dilated again where it is at once, mm; `InputError` where its sizes do not fit together."""
-    return withRedilations([somewhere(stent)], [stent.redilation])[-1].diameter
+    return _inTheEnd(stent).diameter
 
 
-def withRedilations(planned, redilations):
-    """Stents in order, each followed by itself once more where it is dilated to a second diameter, mm, above 0."""
-    following = []
-    for stent, diameter in zip(planned, redilations, strict=True):
-        following.append(stent)
-        if diameter > 0:
-            again = dilated_again(stent, len(following), diameter)
-            following.append(replace(again, name=nameAgain(stent.name)))
-    return following
+def _inTheEnd(stent):
+    """The library's stent, dilated again where it is at once."""
+    planned = unplaced(stent)
+    return dilatedAgain(planned, 1, stent.redilation) if stent.redilation > 0 else planned
+
+
+def dilatedAgain(planned, number, diameter):
+    """A stent of the library, which has a number in its plan, once more, at a second diameter, mm."""
+    return replace(dilated_again(planned, number, diameter), name=nameAgain(planned.name))
 
 
 def nameAgain(name):
@@ -182,7 +172,7 @@ def refusal(stent):
 def _refusal(values):
     stent = SimpleNamespace(**dict(zip(SIZES, values, strict=True)))
     try:
-        withRedilations([somewhere(stent)], [stent.redilation])
+        _inTheEnd(stent)
     except InputError as error:
         return error.sentence(REMEDIES)
     return ""
@@ -191,6 +181,6 @@ def _refusal(values):
 def foreshorteningOf(stent):
     """The foreshortening in use, percent; what is set where that of the device is not known."""
     try:
-        return 100 * somewhere(stent).foreshortening
+        return 100 * unplaced(stent).foreshortening
     except InputError:
         return stent.foreshortening

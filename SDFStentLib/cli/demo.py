@@ -33,7 +33,7 @@ from ..report import (
     plan_report,
     write_report,
 )
-from ..stent import BetweenPoints, Stent, balloon_by_rule
+from ..stent import BetweenPoints, Stent
 from ..validation import DeploymentError
 from .console import Console, tell
 from .outputs import Outputs
@@ -91,11 +91,8 @@ def _placed_in(folder: Path, inputs: InputFiles) -> InputFiles:
 def _plan(phantom: Phantom, inputs: InputFiles) -> Plan:
     ends = phantom.axis_at(STENT_ENDS)
     place = BetweenPoints(*ends)
-    found = inputs.vessel.native_lumen(Stent(BALLOON_DIAMETER, placement=place))
-    balloon = balloon_by_rule(BALLOON_DIAMETER, found)
-    stent = Stent(
-        balloon.lumen_diameter, placement=place, balloon=balloon, name="left pulmonary artery"
-    )
+    stent = Stent(BALLOON_DIAMETER, placement=place, name="left pulmonary artery")
+    stent = inputs.vessel.inflated(stent, BALLOON_DIAMETER)
     assert inputs.line_file is not None
     return Plan(
         stents=(stent,),

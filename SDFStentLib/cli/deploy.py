@@ -45,7 +45,7 @@ from .flow_options import add_networks, known_of, no_flow
 from .option_table import method_of
 from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
-from .stents import check_sizes, device_of, stents_of
+from .stent_options import check_sizes, device_of, stents_of
 
 NOT_CERTIFIED = 3
 

@@ -132,7 +132,7 @@ def _lines(
             MeasuredLine(names[number - 1], line, vessel.diameters(line, spacing))
             for number, line in vessel.branches.items()
         ], warnings
-    place = place_of(options, way, inputs.surface.frame)
+    place = place_of(options, way, inputs)
     stent = Stent(
         _PROBE_DIAMETER,
         placement=place.placement,

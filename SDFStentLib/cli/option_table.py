@@ -20,6 +20,27 @@ ROOT = "--root X Y Z  the end of the centerline near this point is proximal\n"
 SURFACE = f"surface SURFACE  {FORMATS_IN_WORDS}\n"
 CENTERLINE = f"--centerline FILE  any form; {LINES_IN_WORDS}\n"
 NAMES = "--names F  JSON: what vessels are called, each by a place in it or the face at its end\n"
+USUAL_PLACE = f"""\
+--centerline FILE  of the vessel, any form; {LINES_IN_WORDS}
+--center X Y Z  the middle of the stent
+"""
+OTHER_PLACES = f"""\
+--axis FILE  the curve is the stent axis; {LINES_IN_WORDS}
+--distal X Y Z  its distal end
+--proximal X Y Z  its proximal end
+--from X Y Z  one end
+--to X Y Z  the other end
+"""
+BY_VESSEL = """\
+--offset MM  with --at-lesion: the middle of the stent so far distal of that of the lesion
+--branch B  the middle of the stent on this branch, by its number or its name in `measure`
+--distance MM  with --branch: so far along it
+--fraction S  with --branch: at such a part of its length, 0 to 1
+"""
+MARKS = f"""\
+--root X Y Z  the end of the centerline near this point is proximal (default: the tree tells)
+--reference X Y Z ...  healthy vessel that the lesion beside it is measured against; once or twice
+{NAMES}"""
 ACCEPTANCE = """\
 --accept-changed-inputs  go on although a file is not the one that the plan was made with
 """

@@ -11,13 +11,17 @@ from ..version import VERSION
 from .flow_options import add_flow, add_known, add_simulate
 from .option_table import (
     ACCEPTANCE,
+    BY_VESSEL,
     CENTERLINE,
     JSON,
+    MARKS,
     NAMES,
+    OTHER_PLACES,
     ROOT,
     SURFACE,
     TALK,
     UNITS,
+    USUAL_PLACE,
     VERBOSE,
     Parser,
     Printed,
@@ -29,21 +33,6 @@ from .option_table import (
 
 OF_STENT = parameters_of(Stent)
 
-USUAL_PLACE = f"""\
---centerline FILE  of the vessel, any form; {LINES_IN_WORDS}
---center X Y Z  the middle of the stent
-"""
-OTHER_PLACES = f"""\
---axis FILE  the curve is the stent axis; {LINES_IN_WORDS}
---distal X Y Z  its distal end
---proximal X Y Z  its proximal end
---from X Y Z  one end
---to X Y Z  the other end
-"""
-MARKS = f"""\
---root X Y Z  the end of the centerline near this point is proximal (default: the tree tells)
---reference X Y Z ...  healthy vessel that the lesion beside it is measured against; once or twice
-{NAMES}"""
 DEVICE = "--device NAME  one of `sdfstent devices`; sets its lengths\n"
 DEVICE_TABLE = "--device-table F  JSON with devices of your own, too\n"
 HIDING = "--hide-device  pictures without the struts of the stents\n"
@@ -126,7 +115,7 @@ def _first_of_deploy() -> Parser:
 
 def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
     command.description = first.description
-    add_table(command.add_argument_group("where"), OTHER_PLACES + MARKS)
+    add_table(command.add_argument_group("where"), BY_VESSEL + OTHER_PLACES + MARKS)
     stent = command.add_argument_group("stent")
     for one in parameters_of(Balloon).values():
         add_parameter(stent, one)

@@ -23,9 +23,9 @@ from ..plan import (
     scaled,
 )
 from ..report import LEAST
-from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
+from ..stent import AlongAxis, AtLesion, BetweenPoints, InputFile, OnBranch, Placement, Stent
 from ..treatment import VesselName
-from ..units import MILLIMETERS, Frame, are_apart
+from ..units import MILLIMETERS, are_apart
 from ..validation import InputError
 
 
@@ -66,7 +66,9 @@ def check_place(
     if (options.from_point is None) != (options.to is None):
         raise InputError("expected both --from and --to, got one of them; give the other end.")
     given += ["from"] if options.to is not None else []
-    given += [name for name in ("axis", "at_lesion") if getattr(options, name, None) is not None]
+    others = ("axis", "at_lesion", "branch")
+    given += [name for name in others if getattr(options, name, None) is not None]
+    _check_along(options)
     if len(given) > 1:
         raise InputError(
             f"expected one place, got {' and '.join(map(option_of, given))}; leave one out."
@@ -75,14 +77,14 @@ def check_place(
         if needed:
             raise InputError(
                 "expected where the stent goes, got nothing; give --axis, or --centerline with "
-                "--center, --distal, --proximal, --at-lesion, or --from and --to."
+                "--center, --distal, --proximal, --at-lesion, --branch, or --from and --to."
             )
         return None
     way = given[0]
     if way != "axis" and options.centerline is None:
         raise InputError(f"expected --centerline FILE with {option_of(way)}, got none; give one.")
     has_length = options.length is not None if has_length is None else has_length
-    if way in (*POINT_PLACEMENTS, "at_lesion") and not has_length:
+    if way in (*POINT_PLACEMENTS, "at_lesion", "branch") and not has_length:
         raise InputError(f"expected --length L (mm) with {option_of(way)}, got none; give one.")
     if way == "from" and options.length is not None:
         raise InputError(
@@ -92,40 +94,41 @@ def check_place(
     return way
 
 
-def place_of(options: argparse.Namespace, way: str, frame: Frame | None) -> Place:
+def _check_along(options: argparse.Namespace) -> None:
+    """Refuse what says where along a vessel without the vessel, and a branch without it."""
+    for name, of in (("offset", "at_lesion"), ("distance", "branch"), ("fraction", "branch")):
+        if getattr(options, name, None) is not None and getattr(options, of) is None:
+            raise InputError(f"expected {option_of(of)} with --{name}, got none; give one.")
+    has_branch = getattr(options, "branch", None) is not None
+    if has_branch and (options.distance is None) == (options.fraction is None):
+        got = "neither" if options.distance is None else "both"
+        raise InputError(
+            f"expected --distance MM or --fraction S with --branch, got {got}; give one."
+        )
+
+
+def place_of(options: argparse.Namespace, way: str, inputs: InputFiles) -> Place:
     """The placement, mm, in the frame of the surface.
 
     Raises
     ------
     InputError
-        An axis file that cannot be read, or points that are not finite.
+        An axis file that cannot be read, points that are not finite, a lesion that is not there.
     """
+    if way == "at_lesion":
+        check_lesion_number(options.at_lesion, inputs, "--at-lesion", "place the stent by points")
+        return Place(AtLesion(options.at_lesion, options.offset), ())
+    if way == "branch":
+        number = int(options.branch) if options.branch.isdecimal() else options.branch
+        return Place(OnBranch(number, options.distance, options.fraction), ())
     if way == "axis":
-        line_file = in_frame_of(read_lines(options.axis, options.units), frame)
+        line_file = in_frame_of(read_lines(options.axis, options.units), inputs.surface.frame)
         file = InputFile(options.axis, line_file.sha256)
         return Place(AlongAxis(axis_of(line_file), file), line_file.warnings)
     if way == "from":
-        start = in_mm(options.from_point, options.units, "--from")
-        end = in_mm(options.to, options.units, "--to")
-        return Place(BetweenPoints(start, end), ())
+        return Place(BetweenPoints(*ends_of(options)), ())
     point = in_mm(getattr(options, way), options.units, option_of(way))
     return Place(POINT_PLACEMENTS[way](point), ())
-
-
-def lesion_place(options: argparse.Namespace, inputs: InputFiles, stent: Stent) -> Place:
-    """The placement of a stent of known length at the lesion that was asked for.
-
-    Raises
-    ------
-    InputError
-        The vessel has no lesion of that number.
-    """
-    check_lesion_number(options.at_lesion, inputs, "--at-lesion", "place the stent by points")
-    lesions = inputs.vessel.lesions
-    assert lesions is not None
-    assert stent.length is not None
-    lesion = lesions[options.at_lesion - 1]
-    return Place(inputs.vessel.place_at(lesion, stent.length, stent.foreshortening), ())
 
 
 def check_lesion_number(number: int, inputs: InputFiles, option: str, otherwise: str) -> None:

@@ -20,7 +20,7 @@ from ..validation import one_line
 from .console import Console
 from .outputs import Outputs
 from .place import check_lesion_number, inputs_of, plan_of
-from .stents import device_of
+from .stent_options import device_of
 
 
 def suggest_command(options: argparse.Namespace, console: Console) -> int:

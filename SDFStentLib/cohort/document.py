@@ -20,7 +20,8 @@ from ..plan import (
 )
 from ..validation import InputError, as_number, as_path
 from .axes import DIAMETERS, MOST_STEPS, NAMES, PLACES, Axis, axis_from_document, rising
-from .value import MOST_SAMPLES, Constraints, Sampling, Sweep, patients_of, template_of
+from .constraints import Constraints
+from .value import MOST_SAMPLES, Sampling, Sweep, patients_of, template_of
 
 SCHEMA, SCHEMA_VERSION = "sdfstent-sweep", 1
 METHODS = ("grid", "random", "latin-hypercube", "sobol")

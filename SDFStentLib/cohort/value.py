@@ -22,6 +22,7 @@ from ..plan import (
 from ..stent import InputFile
 from ..validation import InputError
 from .axes import DIAMETERS, PLACES, Axis
+from .constraints import Constraints
 
 MOST_SAMPLES = 10_000_000
 """Of a sweep for each patient."""
@@ -34,24 +35,6 @@ class Sampling:
     method: str = "grid"
     count: int = 0
     seed: int = 0
-
-
-@dataclass(frozen=True)
-class Constraints:
-    """What a case has to keep to, or is left out.
-
-    Attributes
-    ----------
-    diameter_over_lumen, diameter_over_reference : tuple of two floats, optional
-        Least and most of the stent's diameter over that of the lumen at its middle before
-        treatment, and over the reference of the lesion that it is placed at.
-    distance_to_ends : float, optional
-        Least distance along the centerline from the stent's ends to those of the vessel, mm.
-    """
-
-    diameter_over_lumen: tuple[float, float] | None = None
-    diameter_over_reference: tuple[float, float] | None = None
-    distance_to_ends: float | None = None
 
 
 @dataclass(frozen=True)
@@ -171,7 +154,7 @@ def _filled(template: Mapping[str, Any], axes: tuple[Axis, ...], stent: int) -> 
         if names & set(DIAMETERS):
             own.setdefault("diameter", 1)
         if names & set(PLACES):
-            own["placement"] = {"center": [0, 0, 0]}
+            own.pop("placement", None)
         if "length" in names or "device" in names:
             own.setdefault("length", 1)
     return {**template, "stents": stents}

@@ -26,10 +26,11 @@ from ..validation import DeploymentError, InputError
 from ..version import VERSION
 from .axes import label
 from .cases import Case
+from .constraints import Constraints, Excluded
 from .moved import encoded
-from .placing import Excluded, plan_of_case
 from .store import REPORT, SURFACES, Store
-from .value import Constraints, Sweep
+from .value import Sweep
+from .varied import plan_of_case
 from .watch import begin
 
 KEPT = 2

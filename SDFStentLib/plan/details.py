@@ -54,7 +54,9 @@ def read_details(details: str) -> StentDetails:
     return from_document(StentDetails, found, "stent details")
 
 
-def detailed_stent(details: str, sizes: StentSizes, placement: Placement, name: str = "") -> Stent:
+def detailed_stent(
+    details: str, sizes: StentSizes, placement: Placement | None = None, name: str = ""
+) -> Stent:
     """A stent of some sizes with the details of another one.
 
     Where the diameter is another than theirs the balloon follows it by the same recoil, and a table

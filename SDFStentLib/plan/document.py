@@ -17,6 +17,7 @@ from ..stent import (
     BetweenPoints,
     InputFile,
     OfStent,
+    OfVessel,
     Placement,
     Stent,
 )
@@ -126,11 +127,11 @@ def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, A
 
 
 def placement_document(
-    placement: Placement,
+    placement: Placement | None,
     units: str = "mm",
     folder: str | None = None,
-) -> dict[str, Any]:
-    """A placement as in a plan's document, its points in a unit as `Decimal`."""
+) -> dict[str, Any] | None:
+    """A placement as in a plan's document, its points in a unit as `Decimal`; null for none."""
 
     def point(coordinates: Any) -> list[Any]:
         return _filed(coordinates, units)
@@ -138,8 +139,12 @@ def placement_document(
     if isinstance(placement, AlongAxis):
         by_file = _file_document(placement.file, folder)
         return {"axis": by_file or {"points": [point(p) for p in placement.points]}}
+    if placement is None:
+        return None
     if isinstance(placement, OfStent):
         return {"stent": placement.number}
+    if isinstance(placement, OfVessel):
+        return {PLACE_WORDS.get(key, key): v for key, v in vars(placement).items() if v is not None}
     if isinstance(placement, BetweenPoints):
         return {"from": point(placement.start), "to": point(placement.end)}
     name = next(key for key, kind in POINT_PLACEMENTS.items() if isinstance(placement, kind))
@@ -160,6 +165,8 @@ def _file_document(file: InputFile | None, folder: str | None) -> dict[str, Any]
 
 NUMBER, TEXT = {"type": "number"}, {"type": "string"}
 POINT = list_of(NUMBER, 3)
+WHOLE = {"type": "integer", "minimum": 1}
+ALONG = ("distance", "fraction")
 FILE = object_schema({"file": {**TEXT, "minLength": 1}, "sha256": or_null(TEXT)}, ("file",))
 INPUTS: dict[str, Any] = {
     "units": {"enum": list(MILLIMETERS)},
@@ -201,12 +208,20 @@ def plan_schema() -> dict[str, Any]:
     }
 
 
+PLACE_WORDS = {"number": "lesion"}
+"""Of `AtLesion` and `OnBranch` in a document, where these are others than their own."""
+
+
 def _placement() -> dict[str, Any]:
     axis = {"anyOf": [FILE, object_schema({"points": list_of(POINT)}, ("points",))]}
     kinds = [
         *({name: POINT} for name in POINT_PLACEMENTS),
         {"from": POINT, "to": POINT},
         {"axis": axis},
-        {"stent": {"type": "integer", "minimum": 1}},
+        {"stent": WHOLE},
     ]
-    return {"anyOf": [object_schema(kind, tuple(kind)) for kind in kinds]}
+    found = [object_schema(kind, tuple(kind)) for kind in kinds]
+    lesion = object_schema({"lesion": WHOLE, "offset": or_null(NUMBER)}, ("lesion",))
+    branch = {"anyOf": [WHOLE, TEXT]}
+    along = [object_schema({"branch": branch, key: NUMBER}, ("branch", key)) for key in ALONG]
+    return or_null({"anyOf": [*found, lesion, *along]})

@@ -115,6 +115,8 @@ def plan_of_method(values: Mapping[str, Any]) -> Plan:
 def turned(stent: Stent) -> Stent:
     """The stent in the other patient frame, RAS or LPS: x and y of its placement negated."""
     placement = stent.placement
+    if placement is None:
+        return stent
     changes: dict[str, Any] = {
         name: flipped(value)
         for name, value in vars(placement).items()

@@ -12,10 +12,19 @@ from numpy.typing import NDArray
 
 from ..files import read_text
 from ..flow import Known
-from ..stent import AlongAxis, BetweenPoints, InputFile, OfStent, Placement, Stent
+from ..stent import (
+    AlongAxis,
+    AtLesion,
+    BetweenPoints,
+    InputFile,
+    OfStent,
+    OnBranch,
+    Placement,
+    Stent,
+)
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, Place, as_path, as_place
-from .document import POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION
+from .document import ALONG, POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION
 from .json_document import (
     check_schema,
     in_words,
@@ -39,7 +48,10 @@ _PARTS = ("sdfstent_version", "inputs", "settings", "flow")
 
 _INPUT_KEYS = ("units", "frame", "surface", "centerline", "root", "reference", "names")
 
-_PLACE_KEYS = ("center", "distal", "proximal", "from", "to", "axis", "stent")
+_PLACE_KEYS = (
+    *("center", "distal", "proximal", "from", "to", "axis", "stent"),
+    *("lesion", "offset", "branch", "distance", "fraction"),
+)
 """What a placement may have."""
 
 T = TypeVar("T")
@@ -178,13 +190,17 @@ class _StentReader:
             made = {"placement": self._placement(value["placement"], f"{where}.placement")}
         return from_document(Stent, value, where, **made)
 
-    def _placement(self, value: Any, where: str) -> Placement:
+    def _placement(self, value: Any, where: str) -> Placement | None:
+        if value is None:
+            return None
         given = section(value, where, (), _PLACE_KEYS)
         if set(given) == {"from", "to"}:
             ends = [self._point(given[key], f"{where}.{key}") for key in ("from", "to")]
             return _named(where, lambda: BetweenPoints(*ends))
         if set(given) == {"stent"}:
             return _named(where, lambda: OfStent(given["stent"]))
+        if "lesion" in given or "branch" in given:
+            return _named(where, lambda: _of_vessel(given, where))
         if set(given) == {"axis"}:
             return self._axis(given["axis"], f"{where}.axis")
         if len(given) == 1 and set(given) <= set(POINT_PLACEMENTS):
@@ -192,8 +208,9 @@ class _StentReader:
             point = self._point(given[key], f"{where}.{key}")
             return _named(where, lambda: POINT_PLACEMENTS[key](point))
         raise InputError(
-            f"{where}: expected one of center, distal, proximal, from with to, axis, or stent, "
-            f"got {', '.join(given) or 'nothing'}; name one."
+            f"{where}: expected one of center, distal, proximal, from with to, axis, stent, lesion "
+            "(with an offset), or branch with distance or fraction, got "
+            f"{', '.join(given) or 'nothing'}; name one."
         )
 
     def _axis(self, value: Any, where: str) -> AlongAxis:
@@ -220,6 +237,22 @@ class _StentReader:
             raise InputError(f"{where}: expected three numbers, got {in_words(value)}; correct it.")
         factor = MILLIMETERS[self.units]
         return np.array([scaled(item, factor) for item in _each(coordinates, where, number)])
+
+
+def _of_vessel(given: Mapping[str, Any], where: str) -> AtLesion | OnBranch:
+    """A place at a lesion or on a branch."""
+    first, beside = ("lesion", ("offset",)) if "lesion" in given else ("branch", ALONG)
+    others = set(given) - {first, *beside}
+    if others:
+        raise InputError(
+            f"expected nothing beside a {first} but {' or '.join(beside)}, got "
+            f"{', '.join(sorted(others))}; leave it out."
+        )
+    along = {
+        key: _float(given[key], f"{where}.{key}") for key in beside if given.get(key) is not None
+    }
+    kind: type[AtLesion] | type[OnBranch] = AtLesion if first == "lesion" else OnBranch
+    return kind(given[first], **along)
 
 
 def _method(value: Any) -> dict[str, Any]:

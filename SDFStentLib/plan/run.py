@@ -35,6 +35,7 @@ from ..treatment import (
     TreatmentState,
     Vessel,
     label_of,
+    labeled,
     residual_of,
     size_cautions,
     treated_lesions,
@@ -250,9 +251,13 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
 
 
 def _stents(plan: Plan, inputs: InputFiles) -> tuple[Stent, ...]:
-    """Those of a plan in the frame of the surface."""
-    is_turned = are_apart(plan.frame, inputs.surface.frame)
-    return tuple(map(turned, plan.stents)) if is_turned else plan.stents
+    """Those of a plan in the frame of the surface, where they lie in the vessel."""
+    is_turned, found = are_apart(plan.frame, inputs.surface.frame), []
+    for number, stent in enumerate(plan.stents, start=1):
+        with labeled(label_of(plan.stents, number)):
+            own = turned(stent) if is_turned else stent
+            found.append(inputs.vessel.placed(own) if own.enabled else own)
+    return tuple(found)
 
 
 def _axes_in_space(stents: Sequence[Stent], surface: SurfaceFile) -> tuple[Caution, ...]:

@@ -6,6 +6,7 @@ from .balloon import WIDE_BALLOON as WIDE_BALLOON
 from .balloon import Balloon as Balloon
 from .balloon import balloon_by_rule as balloon_by_rule
 from .balloon import balloon_leaving as balloon_leaving
+from .balloon import balloon_of as balloon_of
 from .device import Device as Device
 from .lattice import LatticeDesign as LatticeDesign
 from .lattice import design_of as design_of
@@ -14,11 +15,14 @@ from .lattice import stent_lattice as stent_lattice
 from .placement import AlongAxis as AlongAxis
 from .placement import AtCenter as AtCenter
 from .placement import AtDistalEnd as AtDistalEnd
+from .placement import AtLesion as AtLesion
 from .placement import AtProximalEnd as AtProximalEnd
 from .placement import BetweenPoints as BetweenPoints
 from .placement import ByValue as ByValue
 from .placement import InputFile as InputFile
 from .placement import OfStent as OfStent
+from .placement import OfVessel as OfVessel
+from .placement import OnBranch as OnBranch
 from .placement import Placement as Placement
 from .redilation import dilated_again as dilated_again
 from .redilation import redilated as redilated

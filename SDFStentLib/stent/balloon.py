@@ -93,6 +93,15 @@ def balloon_by_rule(diameter: float, native_lumen: float) -> Balloon:
     return Balloon(diameter, USUAL_RECOIL, usual)
 
 
+def balloon_of(
+    diameter: float, recoil_fraction: float | None = None, native_lumen: float = math.nan
+) -> Balloon:
+    """The balloon of a diameter, mm, with a recoil that is given, or by the rule in a lumen."""
+    if recoil_fraction is None:
+        return balloon_by_rule(diameter, native_lumen)
+    return Balloon(diameter, recoil_fraction)
+
+
 def balloon_leaving(lumen: float, native_lumen: float, decimals: int | None = None) -> Balloon:
     """The balloon that leaves a lumen when it recoils by the rule.
 

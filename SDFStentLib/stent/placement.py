@@ -13,15 +13,20 @@ from ..validation import (
     Floats,
     InputError,
     Points,
+    as_number,
     as_patient_points,
     as_place,
     as_point,
+    in_short,
     place_words,
     read_only,
 )
 
 LOOP = 1e-3
 """Distance of the ends of a curve over its length up to which it is a closed loop."""
+
+FARTHEST = 1e4
+"""Along a vessel, mm; more is another unit or a slip."""
 
 TURNED_BACK = -0.999
 """Cosine of the turn, 177 degrees, from which on a curve goes back the way that it came."""
@@ -130,9 +135,72 @@ class OfStent(ByValue):
             )
 
 
-Placement = AtCenter | AtDistalEnd | AtProximalEnd | BetweenPoints | AlongAxis | OfStent
+@dataclass(frozen=True, eq=False)
+class AtLesion(ByValue):
+    """At a lesion of the vessel, by its number from 1 as `measure` lists them.
+
+    With an `offset` the middle of the stent is so many mm distal of the middle of the lesion.
+    Without one it is there, or, where the stent is shorter than the lesion, as much nearer to the
+    narrowest place as it takes to have that in its middle half.
+    """
+
+    number: int
+    offset: float | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.number, bool) or not isinstance(self.number, int) or self.number < 1:
+            raise InputError(
+                f"lesion: expected a number of the list, from 1, got {in_short(self.number)}; "
+                "see `sdfstent measure`."
+            )
+        if self.offset is not None:
+            as_number(self.offset, "offset", unit="mm", minimum=-FARTHEST, maximum=FARTHEST)
+
+
+@dataclass(frozen=True, eq=False)
+class OnBranch(ByValue):
+    """The stent's middle is on a branch of the centerline, by number from 1 or by name.
+
+    So many mm, or such a part of its length, from where the branch begins.
+    """
+
+    branch: int | str
+    distance: float | None = None
+    fraction: float | None = None
+
+    def __post_init__(self) -> None:
+        is_number = isinstance(self.branch, int) and not isinstance(self.branch, bool)
+        if not (isinstance(self.branch, str) or (is_number and self.branch > 0)):
+            raise InputError(
+                "branch: expected its number, from 1, or its name, got "
+                f"{in_short(self.branch)}; see `sdfstent measure`."
+            )
+        if (self.distance is None) == (self.fraction is None):
+            got = "neither" if self.distance is None else "both"
+            raise InputError(
+                f"branch: expected a distance along it, mm, or a fraction, got {got}; give one."
+            )
+        if self.fraction is not None:
+            as_number(self.fraction, "fraction", minimum=0, maximum=1)
+        if self.distance is not None:
+            as_number(self.distance, "distance", unit="mm", minimum=0, maximum=FARTHEST)
+
+
+Placement = (
+    AtCenter
+    | AtDistalEnd
+    | AtProximalEnd
+    | BetweenPoints
+    | AlongAxis
+    | OfStent
+    | AtLesion
+    | OnBranch
+)
 
 PLACEMENT_NAMES = [kind.__name__ for kind in Placement.__args__]
+
+OfVessel = AtLesion | OnBranch
+"""Places that a vessel turns into points: before that nobody knows where they are."""
 
 
 def _check_way(line: Line) -> None:

@@ -10,6 +10,8 @@ from .placement import AtDistalEnd, AtProximalEnd, OfStent
 from .stent import Stent
 from .stent_axis import StentAxis
 
+_KEPT: dict[type, str] = {AtDistalEnd: "distal", AtProximalEnd: "proximal"}
+
 
 def dilated_again(stent: Stent, number: int, diameter: float) -> Stent:
     """What follows a stent of a plan when that one is dilated once more.
@@ -30,7 +32,7 @@ def dilated_again(stent: Stent, number: int, diameter: float) -> Stent:
         A diameter that is not larger, or beyond the device's.
     """
     balloon = None if stent.balloon is None else _second_balloon(stent, stent.balloon, diameter)
-    by_end = {AtDistalEnd: "distal", AtProximalEnd: "proximal"}.get(type(stent.placement))
+    by_end = _KEPT.get(type(stent.placement))
     again = Stent(
         diameter if balloon is None else balloon.lumen_diameter,
         placement=OfStent(number),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 
 from ..cautions import Caution
 from ..parameter import check_parameters, parameter
@@ -22,10 +22,12 @@ from .placement import (
     AlongAxis,
     AtCenter,
     AtDistalEnd,
+    AtLesion,
     AtProximalEnd,
     BetweenPoints,
     ByValue,
     InputFile,
+    OnBranch,
     Placement,
 )
 from .shape import Shape
@@ -39,6 +41,9 @@ KEPT = ("center", "proximal", "distal")
 
 _KEPT_BY_PLACE: dict[type, str] = {AtProximalEnd: "proximal", AtDistalEnd: "distal"}
 
+_BY_LENGTH = (AtCenter, AtDistalEnd, AtProximalEnd, AtLesion, OnBranch)
+"""Placements that say where one place of a stent is: its length says where its ends are."""
+
 
 @dataclass(frozen=True, eq=False)
 class Stent(ByValue):
@@ -48,8 +53,8 @@ class Stent(ByValue):
     ----------
     diameter : float
         Of the lumen that is deployed, mm.
-    placement : Placement
-        Where it goes.
+    placement : Placement, optional
+        Where it goes; without one it lies nowhere yet, and cannot be deployed.
     length : float, optional
         Nominal length, mm. Needed for a placement by one point, refused between two points;
         along an axis, None stands for the whole axis. That of the device where it has one.
@@ -87,7 +92,7 @@ class Stent(ByValue):
         called="stent diameter",
     )
     _: KW_ONLY
-    placement: Placement
+    placement: Placement | None = None
     length: float | None = length_field(
         "nominal length; along a curve about its middle, none between two points",
         default=None,
@@ -130,25 +135,23 @@ class Stent(ByValue):
             self.shape.check(self.diameter)
         if self.device is not None:
             self._fit_to(self.device)
-        self._check_kept()
-        if not isinstance(self.placement, Placement):
+        if self.keeps not in KEPT:
+            raise InputError(
+                f"stent: expected what it keeps as one of {', '.join(KEPT)}, got {self.keeps!r}; "
+                "choose one."
+            )
+        if not isinstance(self.placement, Placement | None):
             raise InputError(
                 f"stent placement: expected one of {', '.join(PLACEMENT_NAMES)}, "
                 f"got {type(self.placement).__name__}; choose one."
             )
-        if self.length is not None and isinstance(self.placement, BetweenPoints):
-            raise InputError(
-                "stent length: expected none between two points, which determine it, "
-                f"got {self.length:g} mm; leave out the length or one of the points."
-            )
-        if self.length is None and isinstance(
-            self.placement, AtCenter | AtDistalEnd | AtProximalEnd
-        ):
-            raise InputError(
-                "stent length: expected a length in mm for a placement by one point, got none; "
-                "give the length, or two points."
-            )
+        if self.placement is not None:
+            self.check_kind(type(self.placement))
         _ = self.foreshortening  # not known, it is missed here rather than in the vessel
+
+    def at(self, placement: Placement | None) -> Stent:
+        """The same at another place, or at none; errors as of a new one."""
+        return replace(self, placement=placement)
 
     @property
     def radius(self) -> float:
@@ -199,17 +202,38 @@ class Stent(ByValue):
             if caution.kind != "device-shortening" or self.foreshortening_fraction is None:
                 yield caution
 
-    def _check_kept(self) -> None:
-        if self.keeps not in KEPT:
-            raise InputError(
-                f"stent: expected what it keeps as one of {', '.join(KEPT)}, got {self.keeps!r}; "
-                "choose one."
-            )
-        by_end = _KEPT_BY_PLACE.get(type(self.placement))
+    def check_kind(self, kind: type) -> None:
+        """Refuse a kind of placement that the sizes rule out, wherever that will be.
+
+        Raises
+        ------
+        InputError
+            An end that is kept, though it is placed by the other one; no length for a placement by
+            one point, or one between two.
+        """
+        by_end = _KEPT_BY_PLACE.get(kind)
         if by_end is not None and self.keeps not in ("center", by_end):
             raise InputError(
                 f"stent: expected its {by_end} end to be kept, by which it is placed, got the "
                 f"{self.keeps} one; place it by that, or by its middle."
+            )
+        own = None if self.device is None else self.device.nominal_length
+        if own is not None and issubclass(kind, BetweenPoints):
+            assert self.device is not None
+            name = printable(self.device.name)
+            raise InputError(
+                f"stent placement: expected one point for {name}, which is {own:g} mm long, got "
+                "two; place it by its middle or one end."
+            )
+        if self.length is not None and issubclass(kind, BetweenPoints):
+            raise InputError(
+                "stent length: expected none between two points, which determine it, "
+                f"got {self.length:g} mm; leave out the length or one of the points."
+            )
+        if self.length is None and issubclass(kind, _BY_LENGTH):
+            raise InputError(
+                "stent length: expected a length in mm for a placement by one point, got none; "
+                "give the length, or two points."
             )
 
     def _fit_to(self, device: Device) -> None:
@@ -229,11 +253,6 @@ class Stent(ByValue):
             raise InputError(
                 f"stent length: expected one in which {name} is sold ({listed} mm), got "
                 f"{self.length:g} mm; choose one of them, or another device."
-            )
-        if own is not None and isinstance(self.placement, BetweenPoints):
-            raise InputError(
-                f"stent placement: expected one point for {name}, which is {own:g} mm long, got "
-                "two; place it by its middle or one end."
             )
         if self.foreshortening_fraction is not None and device.lengths:
             raise InputError(

@@ -28,6 +28,7 @@ from .placement import (
     AtProximalEnd,
     BetweenPoints,
     OfStent,
+    OfVessel,
     Placement,
 )
 from .shape import DiametersAlong
@@ -40,11 +41,11 @@ FAR_UNKNOWN = 2.0
 """The same where the radius is unknown, mm."""
 
 
-def placement_points(placement: Placement) -> list[tuple[str, Floats]]:
-    """The points of a placement with their names; none along a curve or a stent."""
+def placement_points(placement: Placement | None) -> list[tuple[str, Floats]]:
+    """The points of a placement with their names; those by none have none, as along a curve."""
     if isinstance(placement, BetweenPoints):
         return [("stent start", placement.start), ("stent end", placement.end)]
-    if isinstance(placement, AlongAxis | OfStent):
+    if placement is None or isinstance(placement, AlongAxis | OfStent | OfVessel):
         return []
     if isinstance(placement, AtCenter):
         return [("center", placement.point)]
@@ -52,7 +53,7 @@ def placement_points(placement: Placement) -> list[tuple[str, Floats]]:
     return [(name, placement.point)]
 
 
-def beside(placement: Placement, centerline: Centerline) -> Iterator[Caution]:
+def beside(placement: Placement | None, centerline: Centerline) -> Iterator[Caution]:
     """Every point that is noticeably away from where the stent is put."""
     for name, point in placement_points(placement):
         place = centerline.project(point)
@@ -216,6 +217,13 @@ def _along_centerline(stent: Stent, centerline: Centerline | None) -> Centerline
             "give a centerline, or a curve as the stent's axis."
         )
     placement = stent.placement
+    if placement is None:
+        raise InputError("stent placement: expected a place, got none; place it.")
+    if isinstance(placement, OfVessel):
+        raise InputError(
+            "stent placement: expected a point, which the vessel has for a place at a lesion or on "
+            "a branch, got none; ask `Vessel.placed` first."
+        )
     if isinstance(placement, BetweenPoints):
         start = _placed(centerline, placement.start, "stent start")
         end = _placed(centerline, placement.end, "stent end")

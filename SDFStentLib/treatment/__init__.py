@@ -9,6 +9,8 @@ from .lesions import TreatedLesion as TreatedLesion
 from .lesions import residual_of as residual_of
 from .lesions import treated_lesions as treated_lesions
 from .lesions import with_known_minima as with_known_minima
+from .places import Spot as Spot
+from .places import spot_of as spot_of
 from .placing import placement_at as placement_at
 from .preview import Preview as Preview
 from .preview import PreviewedNumbers as PreviewedNumbers
@@ -35,5 +37,6 @@ from .value import TreatedStent as TreatedStent
 from .value import TreatmentResult as TreatmentResult
 from .value import TreatmentState as TreatmentState
 from .value import label_of as label_of
+from .value import labeled as labeled
 from .vessel import Vessel as Vessel
 from .warnings import size_cautions as size_cautions

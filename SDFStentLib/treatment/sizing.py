@@ -13,12 +13,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ..cautions import Caution
 from ..centerline import Centerline
 from ..stent import (
-    AtCenter,
     Balloon,
     Device,
     Stent,
@@ -177,7 +174,6 @@ def _sized(balloon: Balloon, lesion: Lesion, number: int, wishes: SizingWishes) 
     offered = () if wishes.device is None else wishes.device.offered_lengths
     stent = Stent(
         balloon.lumen_diameter,
-        placement=AtCenter(np.zeros(3)),
         length=min(offered, default=wanted),
         foreshortening_fraction=wishes.foreshortening_fraction,
         device=wishes.device,

@@ -33,7 +33,9 @@ from ..validation import Floats, InputError, Points, as_place, place_words
 from .profile import with_profile
 
 
-def check_in_lumen(inside: VesselInside, placement: Placement, centerline: Centerline) -> None:
+def check_in_lumen(
+    inside: VesselInside, placement: Placement | None, centerline: Centerline
+) -> None:
     """Refuse points outside of a vessel; those within the inscribed sphere need no look.
 
     Raises

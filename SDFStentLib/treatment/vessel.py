@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,8 +15,8 @@ from ..certificate import SurfaceCheck, check_surface
 from ..flow import Channel, Ends, FollowedChannels, begun_branches, channels_of, end_names
 from ..geometry import Line, NamedFaces, Precision, Surface
 from ..lumen import DiameterProfile, diameter_profile
-from ..stent import AtCenter, AtDistalEnd, Stent
-from ..validation import Points
+from ..stent import OfVessel, Stent, balloon_of
+from ..validation import InputError, Points
 from ..vessel import (
     Lesion,
     LineSeeds,
@@ -30,7 +30,8 @@ from ..vessel import (
     lumen_left,
     vessel_ends,
 )
-from .placing import healthy_vessel, placement_at
+from .places import Landmarks, placement_in
+from .placing import healthy_vessel
 from .sizing import SizingWishes, Suggestion, suggested
 from .straightening import axis_in_vessel
 from .surroundings import PROFILE_SPACING, lumen_around
@@ -180,12 +181,48 @@ class Vessel:
         """`line_seeds` of its wall, to extract a centerline."""
         return line_seeds(self.surface, inlet, outlets)
 
-    def place_at(
-        self, lesion: Lesion, stent_length: float, foreshortening_fraction: float
-    ) -> AtCenter | AtDistalEnd:
-        """`placement_at` one of its lesions."""
-        assert self.centerline is not None
-        return placement_at(lesion, self.centerline, stent_length, foreshortening_fraction)
+    @property
+    def landmarks(self) -> Landmarks:
+        """What places are found by; `InputError` without a centerline."""
+        if self.centerline is None:
+            raise InputError(
+                "stent placement: expected a centerline for a place at a lesion or on a branch, "
+                "got none; give one."
+            )
+        return Landmarks(self.centerline, self.lesions or (), self.branch_names)
+
+    def placed(self, stent: Stent) -> Stent:
+        """The stent by a point, where its placement is one that only a vessel knows.
+
+        `InputError` as of `placement_in`, and without a centerline.
+        """
+        if not isinstance(stent.placement, OfVessel):
+            return stent
+        return replace(stent, placement=placement_in(stent, self.landmarks))
+
+    def inflated(self, stent: Stent, diameter: float, recoil: float | None = None) -> Stent:
+        """The stent as a balloon leaves it, in diameter and in length.
+
+        Parameters
+        ----------
+        stent : Stent
+            With its place.
+        diameter : float
+            Of the balloon, mm.
+        recoil : float, optional
+            Part of that which is lost; without, by the rule in the lumen where the stent lies with
+            the usual recoil, see `balloon_by_rule`.
+
+        Raises
+        ------
+        InputError
+            Sizes that the device or the shape rule out; a place where it cannot lie.
+        """
+        balloon = balloon_of(diameter, recoil)
+        if recoil is None:
+            usual = replace(stent, diameter=balloon.lumen_diameter, balloon=None)
+            balloon = balloon_of(diameter, None, self.native_lumen(usual))
+        return replace(stent, diameter=balloon.lumen_diameter, balloon=balloon)
 
     def suggestion(self, number: int, wishes: SizingWishes) -> Suggestion:
         """`suggested` for one of its lesions, by number from 1."""
@@ -201,7 +238,7 @@ class Vessel:
 
     def native_lumen(self, stent: Stent) -> float:
         """Smallest inscribed diameter where a stent lies, before it, mm; NaN where not known."""
-        axis = axis_in_vessel(stent, self.centerline, self.surface)
+        axis = axis_in_vessel(self.placed(stent), self.centerline, self.surface)
         return self.diameters(axis.line, PROFILE_SPACING).minimum
 
     def diameters(self, line: Line, spacing: float) -> DiameterProfile:

@@ -3,27 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from dataclasses import replace
-
-import numpy as np
 
 from ..parameter import parameters_of
 from ..plan import InputFiles, device_named, read_profile
-from ..stent import (
-    AtCenter,
-    Balloon,
-    Device,
-    Placement,
-    Shape,
-    Stent,
-    StentEnd,
-    Waist,
-    balloon_by_rule,
-    dilated_again,
-)
+from ..stent import Device, Shape, Stent, StentEnd, Waist, balloon_of, dilated_again
 from ..validation import InputError
-from .place import lesion_place, option_of, place_of
+from .place import option_of, place_of
 
 
 def check_sizes(options: argparse.Namespace) -> None:
@@ -93,66 +78,31 @@ def stents_of(
     InputError
         Sizes that cannot be, or that its device or its place rule out.
     """
-    stent = _stent(options, way, inputs, device)
+    balloon, recoil = options.balloon, options.recoil
+    if balloon is None and recoil is not None:
+        balloon = options.diameter
+    stent = _stent(options, balloon, device).at(place_of(options, way, inputs).placement)
+    if balloon is not None:
+        stent = inputs.vessel.inflated(stent, balloon, recoil)
     if options.redilate is None:
         return (stent,)
-    return stent, dilated_again(stent, 1, options.redilate)
+    return stent, dilated_again(inputs.vessel.placed(stent), 1, options.redilate)
 
 
-def _stent(
-    options: argparse.Namespace, way: str, inputs: InputFiles, device: Device | None
-) -> Stent:
-    sized = _sizes(options, way, inputs, device)
-    diameter = _balloon_diameter(options)
-    if diameter is None:
-        return sized(options.diameter)
-    balloon = _given(options, diameter)
-    if balloon is None:
-        usual = balloon_by_rule(diameter, float("nan"))
-        found = inputs.vessel.native_lumen(sized(usual.lumen_diameter))
-        balloon = balloon_by_rule(diameter, found)
-    return replace(sized(balloon.lumen_diameter), balloon=balloon)
-
-
-def _sizes(
-    options: argparse.Namespace, way: str, inputs: InputFiles, device: Device | None
-) -> Callable[[float | None], Stent]:
-    """Makes the stent of a diameter of the lumen, mm; None where a profile has it."""
-    shape = shape_of(options)
-    # Where it goes at a lesion depends on its length, which is that of one at any place.
-    placement: Placement = AtCenter(np.zeros(3))
-    if way != "at_lesion":
-        placement = place_of(options, way, inputs.surface.frame).placement
-
-    def sized(diameter: float | None) -> Stent:
-        if diameter is None:
-            assert shape is not None
-            diameter = max(wide for _, wide in shape.table)
-        stent = Stent(
-            diameter,
-            placement=placement,
-            length=options.length,
-            foreshortening_fraction=options.foreshortening,
-            device=device,
-            keeps=options.keep or "center",
-            shape=shape,
-            may_be_shortened=options.shortened,
-        )
-        if way != "at_lesion":
-            return stent
-        return replace(stent, placement=lesion_place(options, inputs, stent).placement)
-
-    return sized
-
-
-def _balloon_diameter(options: argparse.Namespace) -> float | None:
-    """Of the balloon, mm; None where the lumen's diameter was given."""
-    diameter: float | None = options.balloon
-    if diameter is None and options.recoil is not None:
-        diameter = options.diameter
-    return diameter
-
-
-def _given(options: argparse.Namespace, diameter: float) -> Balloon | None:
-    """A balloon with the recoil that was given; None where the rule decides."""
-    return None if options.recoil is None else Balloon(diameter, options.recoil)
+def _stent(options: argparse.Namespace, balloon: float | None, device: Device | None) -> Stent:
+    """At no place yet, and as wide as a balloon leaves it that recoils as usual."""
+    shape, diameter = shape_of(options), options.diameter
+    if balloon is not None:
+        diameter = balloon_of(balloon, options.recoil).lumen_diameter
+    elif diameter is None:
+        assert shape is not None  # checked by then
+        diameter = max(wide for _, wide in shape.table)
+    return Stent(
+        diameter,
+        length=options.length,
+        foreshortening_fraction=options.foreshortening,
+        device=device,
+        keeps=options.keep or "center",
+        shape=shape,
+        may_be_shortened=options.shortened,
+    )

@@ -1,0 +1,127 @@
+"""Places that only a vessel knows, at a lesion or on a branch, as points of its centerline."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..centerline import Centerline
+from ..geometry import Line
+from ..stent import AtCenter, AtDistalEnd, AtLesion, OfVessel, OnBranch, Stent
+from ..validation import InputError, Points, as_number
+from ..vessel import Lesion
+from .placing import placement_at
+
+NEAR = 1.0
+"""Distal ends so far apart are not at the same place of a branch, mm."""
+
+
+class Landmarks(NamedTuple):
+    """What places are found by in one vessel."""
+
+    centerline: Centerline
+    lesions: Sequence[Lesion]
+    branch_names: Sequence[str]
+
+    def lesion(self, number: int) -> Lesion:
+        """By number from 1; `InputError` for one that is not there."""
+        count = len(self.lesions)
+        if not count:
+            raise InputError("lesion: expected a vessel with one, got none; give another place.")
+        if number > count:
+            there = f"a number from 1 to {count}" if count > 1 else "1"
+            raise InputError(
+                f"lesion: expected {there}, for so many there are, got {number}; see "
+                "`sdfstent measure`."
+            )
+        return self.lesions[number - 1]
+
+    def branch(self, wanted: int | str) -> int:
+        """Index of a branch, by number from 1 or by name; `InputError` for none of them."""
+        names, count = list(self.branch_names), len(self.centerline.branches)
+        if wanted in names:
+            return names.index(str(wanted))
+        if isinstance(wanted, int) and wanted <= count:
+            return wanted - 1
+        raise InputError(
+            f"branch: expected 1 to {count} or one of {', '.join(names)}, got {wanted!r}."
+        )
+
+
+class Spot(NamedTuple):
+    """The middle of a stent on the centerline."""
+
+    way: Line
+    """From the root to the end of the branch."""
+    at: float
+    """Along the way, mm."""
+    start: float
+    """Of the branch, along the way, mm."""
+    lesion: Lesion | None
+
+    @property
+    def point(self) -> Points:
+        """(3,) mm."""
+        return self.way.at(np.array([self.at]))[0]
+
+    def placement(self, deployed_length: float, tree: Centerline) -> AtCenter | AtDistalEnd:
+        """By its middle; where that is not enough to lead into the branch, by its distal end."""
+        distal = self.at + deployed_length / 2
+        if distal <= self.start or distal > self.way.arc_lengths[-1]:
+            return AtCenter(self.point)
+        end = self.way.at(np.array([distal]))[0]
+        leads = tree.path_around(self.point, deployed_length).points[-1]
+        if self.at < self.start or np.linalg.norm(leads - end) > NEAR:
+            return AtDistalEnd(end)
+        return AtCenter(self.point)
+
+
+def spot_of(placement: OfVessel, among: Landmarks) -> Spot:
+    """Where the middle of a stent is.
+
+    Raises
+    ------
+    InputError
+        No such lesion or branch, or a place beyond its vessel.
+    """
+    if isinstance(placement, AtLesion):
+        return _at_lesion(placement, among)
+    return _on_branch(placement, among)
+
+
+def placement_in(stent: Stent, among: Landmarks) -> AtCenter | AtDistalEnd:
+    """The point by which a stent of some length is placed; errors as of `spot_of`."""
+    placement, length = stent.placement, stent.length
+    assert isinstance(placement, OfVessel)
+    assert length is not None  # Stent refuses these placements without one
+    if isinstance(placement, AtLesion) and placement.offset is None:
+        lesion = among.lesion(placement.number)
+        return placement_at(lesion, among.centerline, length, stent.foreshortening)
+    deployed = length * (1 - stent.foreshortening)
+    return spot_of(placement, among).placement(deployed, among.centerline)
+
+
+def _at_lesion(placement: AtLesion, among: Landmarks) -> Spot:
+    lesion, tree = among.lesion(placement.number), among.centerline
+    points = tree.branches[lesion.branch]
+    way = Line(tree.points[tree.ancestry(int(points[-1]))])
+    middle = (lesion.start + lesion.end) / 2
+    low, high = -middle, way.arc_lengths[-1] - middle
+    offset = placement.offset or 0.0
+    at = middle + as_number(offset, "offset", unit="mm", minimum=low, maximum=float(high))
+    return Spot(way, at, float(tree.arc_length[points[0]]), lesion)
+
+
+def _on_branch(placement: OnBranch, among: Landmarks) -> Spot:
+    tree = among.centerline
+    points = tree.branches[among.branch(placement.branch)]
+    start, end = tree.arc_length[points[[0, -1]]]
+    if placement.fraction is not None:
+        along = placement.fraction * (end - start)
+    else:
+        most = float(end - start)
+        along = as_number(placement.distance, "distance", unit="mm", minimum=0, maximum=most)
+    way = Line(tree.points[tree.ancestry(int(points[-1]))])
+    return Spot(way, float(start + along), float(start), None)
