@@ -150,8 +150,39 @@ def test_waves_of_every_inlet_are_told_as_svzerod_has_them(fontan, seed):
 def test_waves_of_inlets_that_take_unlike_times_are_refused():
     random = np.random.default_rng(0)
     given = (Inflow("a", 5.0, a_wave(random, 5.0)), Inflow("b", 5.0, a_wave(random, 5.0, 0.9)))
-    with pytest.raises(InputError, match=r"one length, got 0\.8 and 0\.9 s"):
+    with pytest.raises(InputError, match=r"one length, got 0\.8 and 0\.9 s; stretch"):
         known_flow(inlets=given)
+
+
+def test_waves_of_inlets_whose_lengths_are_rounded_are_of_one_length():
+    random = np.random.default_rng(0)
+    waves = [a_wave(random, 5.0, cycle) for cycle in (0.840612345, 0.840612)]
+    known = known_flow(inlets=tuple(Inflow(n, waves[k].mean, waves[k]) for k, n in enumerate("ab")))
+    assert [one.wave.cycle for one in known.inlets] == pytest.approx(2 * [0.840612345], rel=1e-12)
+    assert known.wave.flow == pytest.approx(np.sum([one.flow for one in waves], axis=0))
+
+
+def test_rows_of_waves_on_unlike_steps_are_all_met():
+    """A row of the coarser wave lay between the steps of the finer one, and was cut off."""
+    time, flow = np.linspace(0, 0.8, 25), np.ones(25)
+    flow[11] = 60.0
+    spike = Wave(tuple(time.tolist()), tuple(flow.tolist()))
+    at = np.linspace(0, 0.8, 111)
+    calm = 10 + 3 * np.sin(2 * np.pi * at / 0.8)
+    calm[-1] = calm[0]
+    other = Wave(tuple(at.tolist()), tuple(calm.tolist()))
+    known = known_flow(inlets=(Inflow("a", spike.mean, spike), Inflow("b", other.mean, other)))
+    alone = np.interp(time[11], at, calm)
+    assert known.wave.peak == pytest.approx(60.0 + alone, rel=1e-3)
+    assert known.wave.mean == pytest.approx(spike.mean + other.mean, rel=1e-9)
+    flows, weights = known.spread(2)
+    # Means, and those of squares, as of the lines between all rows.
+    fine = np.linspace(0, 0.8, 400_001)
+    for number, (rows, values) in enumerate(((time, flow), (at, calm))):
+        line = np.interp(fine, rows, values)
+        assert weights @ flows[:, number] == pytest.approx(np.trapezoid(line, fine) / 0.8, rel=1e-6)
+        squares = np.trapezoid(line**2, fine) / 0.8
+        assert weights @ flows[:, number] ** 2 == pytest.approx(squares, rel=1e-4)
 
 
 @pytest.mark.parametrize("root", ["RPA", "LPA", "SVC"])
@@ -262,6 +293,24 @@ def test_the_command_tells_what_each_caval_vein_loses_before_and_after(files, ca
     assert before["power_loss_w"]["value"] > after["power_loss_w"]["value"]
     index = before["power_loss_w"]["value"] * 1.2**2 / (1060 * 0.05**3)
     assert before["indexed_power_loss"]["value"] == pytest.approx(index, rel=1e-9)
+
+
+def test_a_cycle_is_that_of_the_waves_of_inlets_too(files, capsys):
+    time = 0.05 * np.arange(48)
+    for name, mean in (("ivc.csv", 30), ("svc.txt", 20)):
+        breath = 0.2 * np.sin(2 * np.pi * time / 2.4)
+        flow = mean * (1 + np.sin(2 * np.pi * time / 0.8) + breath)
+        rows = [f"{a:.3f},{b:.6f}" for a, b in zip(time, flow, strict=True)]
+        (files / name).write_text("\n".join(["t_s,q_mL/s", *rows]), encoding="utf-8")
+    inlets = ["--inlet", "IVC=ivc.csv", "--inlet", "SVC=svc.txt"]
+    assert main([*FLOW, *inlets]) == 2
+    assert "beats/min" in capsys.readouterr().err
+    assert main([*FLOW, *inlets, "--cycle", "0.8s", "--json", "flow.json"]) == 0
+    known = json.loads((files / "flow.json").read_text(encoding="utf-8"))["known"]
+    assert known["wave"]["cycle_s"] == pytest.approx(0.8)
+    assert known["mean_flow_ml_s"] == pytest.approx(50.0, rel=1e-5)
+    assert main([*FLOW, *INLETS, "--cycle", "0.8s"]) == 2
+    assert "--cycle: expected a wave beside it" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("text", ["SVC", "=20mL/s", "SVC=", "SVC=20", "SVC=-3mL/s"])

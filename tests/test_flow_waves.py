@@ -84,6 +84,15 @@ def read(tmp_path):
         ("TIME_MIN,Flow [cm^3/s]", 60, 1),
         ("t [s],Q [m³/s]", 1, 1e6),
         ("t [s],net flow MPA m3_s", 1, 1e6),
+        ("s,mL min-1", 1, 1 / 60),
+        ("s,q_ml_min-1", 1, 1 / 60),
+        ("t (sec),Q (ml·min⁻¹)", 1, 1 / 60),
+        ("time_msec,Flow [mL.s-1]", 1e-3, 1),
+        ("time (s),cm^3 s^-1", 1, 1),
+        ("time (s),Q [m^3/s]", 1, 1e6),
+        ("time (s),L per min", 1, 1000 / 60),
+        ("time (s),flow lpm", 1, 1000 / 60),
+        ("time (s),flow (cc/sec)", 1, 1),
     ],
 )
 def test_the_units_of_columns_are_read_as_units(read, header, seconds, milliliters):
@@ -110,6 +119,54 @@ def test_a_unit_that_is_none_of_flow_is_refused_with_those_that_are(read, unit, 
             read(*systole(), f"time_s,{header.format(unit)}", needs_unit=False)
 
 
+def texts():
+    """Files that say the same, as spreadsheets and consoles write them."""
+    rows = [(0, 0), (0.1, 55.5), (0.2, 100.25), (0.3, 60), (0.45, 0), (0.8, 0)]
+    plain = [(str(a), str(b)) for a, b in rows]
+    comma = [(a.replace(".", ","), b.replace(".", ",")) for a, b in plain]
+    for name, cells, divides in (
+        ("semicolons", plain, ";"),
+        ("semicolons and decimal commas", comma, ";"),
+        ("tabs", plain, "\t"),
+        ("tabs and decimal commas", comma, "\t"),
+        ("blanks", plain, ", "),
+    ):
+        yield name, "\n".join(divides.join(row) for row in [("time_s", "flow_mL/s"), *cells])
+    table = "\n".join(";".join(row) for row in comma)
+    yield "no header", table
+    yield "a row that names what divides", f"sep=;\r\ntime_s;flow_mL/s\r\n{table}\r\n;\r\n"
+    yield "comments", f"# patient 3\ntime_s;flow_mL/s\n{table}\n# end"
+    yield "an empty column", "time_s;flow_mL/s;\n" + "".join(f"{row};\n" for row in table.split())
+
+
+@pytest.mark.parametrize(("name", "text"), texts(), ids=[name for name, _ in texts()])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_a_file_is_read_as_it_was_written(tmp_path, name, text, encoding):
+    (tmp_path / "wave.csv").write_bytes(text.replace("flow", "Flu\xdf").encode(encoding))
+    wave, cautions = read_wave(tmp_path / "wave.csv", needs_unit="no header" not in name)
+    assert not cautions
+    assert wave.cycle == pytest.approx(0.8)
+    assert wave.peak == 100.25
+    assert wave.mean == pytest.approx(23.075 / 0.8)  # trapezoids, by hand
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        ["0,0,0", "0,1,55,5", "0,2,100,2", "0,3,60,1"],
+        ["0\t1,000", "40\t2,000", "80\t3,000", "120\t1,000"],
+        ["0.1;1,000", "0.2;2,000", "0.3;3,000", "0.4;1,000"],
+        ['0,"1,000"', '40,"2,000"', '80,"3,000"', '120,"1,000"'],
+    ],
+)
+def test_commas_that_may_divide_thousands_are_refused(tmp_path, rows):
+    path = tmp_path / "wave.csv"
+    header = "t ms\tmL/min" if "\t" in rows[0] else "t,q"
+    path.write_text("\n".join([header, *rows]), encoding="utf-8")
+    with pytest.raises(InputError, match="rows of two numbers"):
+        read_wave(path, needs_unit=False)
+
+
 @pytest.mark.parametrize("header", ["Time [us]", "time_h", "t (frames)", "flow_mL/s", "phase_%"])
 def test_a_unit_that_is_none_of_time_is_refused_with_those_that_are(read, header):
     with pytest.raises(InputError, match="a time in s, ms or min in the first column"):
@@ -126,7 +183,15 @@ def test_a_header_without_a_unit_tells_a_shape(read):
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [("41.7mL/s", 41.7), ("2.5L/min", 2500 / 60), ("450 mL/min", 7.5), ("25dL/min", 2500 / 60)],
+    [
+        ("41.7mL/s", 41.7),
+        ("2.5L/min", 2500 / 60),
+        ("450 mL/min", 7.5),
+        ("25dL/min", 2500 / 60),
+        ("2500 mL min-1", 2500 / 60),
+        ("41.7 cm^3 s^-1", 41.7),
+        ("2.5 lpm", 2500 / 60),
+    ],
 )
 def test_a_value_has_the_same_units(text, value):
     assert flow_value(text) == pytest.approx(value)

@@ -79,7 +79,7 @@ def add_known(command: argparse.ArgumentParser) -> None:
 --bsa A  body surface area, m2, to index the power loss with several inlets
 --peak-flow Q  told apart from the mean
 --wave F  CSV of a cycle, rows of time and flow under a header with units; scaled to --mean-flow
---cycle T  its length, such as 0.8s, where the rows of --wave do not tell that
+--cycle T  its length, such as 0.8s, where the rows of a wave do not tell that
 --unusual-flow  a heart rate or a mean flow beyond the usual ones is meant so
 --inlet-pressure P  mean in the main artery, mmHg
 --wedge W  mean pressure beyond the lungs, mmHg
@@ -143,8 +143,14 @@ def known_of(options: argparse.Namespace, console: Console) -> Known | None:
         None if text is None else flow_value(text, name)
         for text, name in ((options.mean_flow, "--mean-flow"), (options.peak_flow, "--peak-flow"))
     )
-    wave = _wave(options, console, needs_unit=mean is None and not options.inlet)
-    inlets = tuple(_inflow(text, console) for text in options.inlet)
+    cycle = None if options.cycle is None else time_value(options.cycle, "--cycle")
+    wave = None
+    if options.wave is not None:
+        needs_unit = mean is None and not options.inlet
+        wave = _wave(options.wave, console, cycle, needs_unit=needs_unit)
+    inlets = tuple(_inflow(text, console, cycle) for text in options.inlet)
+    if cycle is not None and wave is None and all(one.wave is None for one in inlets):
+        raise InputError("--cycle: expected a wave beside it, got none; give one.")
     if mean is None and wave is None and not inlets:
         if any(value is not None for value in (peak, options.right, *values.values())):
             raise no_flow()
@@ -156,19 +162,14 @@ def known_of(options: argparse.Namespace, console: Console) -> Known | None:
     return known_flow(mean, wave, inlets, peak=peak, right=right, unusual=unusual, **values)
 
 
-def _wave(options: argparse.Namespace, console: Console, needs_unit: bool) -> Wave | None:
-    """Of the file, with what is said of its rows."""
-    cycle = None if options.cycle is None else time_value(options.cycle, "--cycle")
-    if options.wave is None:
-        if cycle is not None:
-            raise InputError("--cycle: expected a --wave beside it, got none; give one.")
-        return None
-    wave, cautions = read_wave(options.wave, needs_unit=needs_unit, cycle=cycle)
-    console.warn([one.labeled(f"{options.wave}: ") for one in cautions])
+def _wave(file: str, console: Console, cycle: float | None, *, needs_unit: bool = True) -> Wave:
+    """Of a file, with what is said of its rows."""
+    wave, cautions = read_wave(file, needs_unit=needs_unit, cycle=cycle)
+    console.warn([one.labeled(f"{file}: ") for one in cautions])
     return wave
 
 
-def _inflow(text: str, console: Console) -> Inflow:
+def _inflow(text: str, console: Console, cycle: float | None) -> Inflow:
     """What an option tells of one inlet: NAME=Q, or NAME=F with the file of a wave."""
     name, sign, told = (part.strip() for part in text.rpartition("="))
     if not (name and sign and told):
@@ -176,9 +177,8 @@ def _inflow(text: str, console: Console) -> Inflow:
             "--inlet: expected the name of an end and the flow there, such as SVC=20mL/s, got "
             f"{text!r}; write both."
         )
-    if Path(told).suffix.lower() == ".csv":
-        wave, cautions = read_wave(told)
-        console.warn([one.labeled(f"{told}: ") for one in cautions])
+    if Path(told).suffix.lower() == ".csv" or Path(told).is_file():
+        wave = _wave(told, console, cycle)
         return Inflow(name, wave.mean, wave)
     return Inflow(name, flow_value(told, f"--inlet {name}", may_be_zero=True))
 

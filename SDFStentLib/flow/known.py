@@ -186,15 +186,7 @@ def _check_inlets(inlets: tuple[Inflow, ...], mean: float) -> None:
 
 def _together(inlets: tuple[Inflow, ...]) -> tuple[tuple[Inflow, ...], Wave]:
     """Inlets whose rows lie on the same steps, and the wave of all of them."""
-    waves = [one.wave for one in inlets if one.wave is not None]
-    cycle = waves[0].cycle
-    other = next((one.cycle for one in waves if not math.isclose(one.cycle, cycle)), None)
-    if other is not None:
-        raise InputError(
-            f"inlets: expected waves of one length, got {cycle:.4g} and {other:.4g} s; bring them "
-            "to the same."
-        )
-    waves, times = on_common_steps(waves)
+    waves, times = on_common_steps([one.wave for one in inlets if one.wave is not None])
     moved = iter(waves)
     found = tuple(one if one.wave is None else replace(one, wave=next(moved)) for one in inlets)
     flow = np.sum([one.at(times) for one in found], axis=0)

@@ -7,10 +7,10 @@ import re
 from ..units import MOST_FLOW
 from ..validation import InputError, as_number
 
-VOLUMES = {"ml": 1.0, "dl": 100.0, "l": 1000.0, "cm3": 1.0, "m3": 1e6}
+VOLUMES = {"ml": 1.0, "dl": 100.0, "l": 1000.0, "cc": 1.0, "cm3": 1.0, "m3": 1e6}
 """Milliliters in the units of volume."""
 
-TIMES = {"s": 1.0, "ms": 1e-3, "min": 60.0}
+TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "msec": 1e-3, "min": 60.0}
 """Seconds in the units of time."""
 
 FLOW_UNITS = "mL/s, mL/min, dL/min, L/min, cm3/s or m3/s"
@@ -25,6 +25,18 @@ _VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*)", re.IGNOR
 _MOST_CYCLE = 600.0
 """s."""
 
+_SIGNS = str.maketrans(
+    {"³": "3", "⁻": "-", "\N{MINUS SIGN}": "-", "¹": "1", "^": "", "·": " ", "⋅": " ", "*": " "}
+)
+"""How exponents and products are written, in plain letters."""
+
+_PER = (
+    (re.compile(r"[\s._]*(?<![a-z])(sec|s|min) ?-1(?!\d)"), r"/\1"),
+    (re.compile(r"(?<=[a-z3])[\s_]+per[\s_]+(?=[a-z])"), "/"),
+    (re.compile(r"(?<![a-z])(m?l)pm(?![a-z])"), r"\1/min"),
+)
+"""What else stands for a quotient: mL min-1, mL per min, lpm."""
+
 
 def flow_value(text: str, name: str = "flow", *, may_be_zero: bool = False) -> float:
     """A flow with its unit, such as 41.7mL/s or 2.5L/min, in mL/s.
@@ -35,7 +47,7 @@ def flow_value(text: str, name: str = "flow", *, may_be_zero: bool = False) -> f
         No number, no unit, another unit, or a flow that is not positive.
     """
     number, unit = _parts(text)
-    volume, _, time = unit.partition("/")
+    volume, time = (part.strip() for part in unit.partition("/")[::2])
     if not number or volume not in VOLUMES or time not in TIMES:
         raise InputError(
             f"{name}: expected a flow with its unit, such as 41.7mL/s or 2.5L/min, got "
@@ -106,7 +118,11 @@ def _parts(text: str) -> tuple[str, str]:
 
 
 def _plain(text: str) -> str:
-    return text.strip().lower().replace("³", "3").replace("^", "")
+    """Lower case, with units as quotients."""
+    plain = text.strip().lower().translate(_SIGNS)
+    for written, quotient in _PER:
+        plain = written.sub(quotient, plain)
+    return plain
 
 
 def _words(header: str) -> list[str]:

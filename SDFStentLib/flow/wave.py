@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -131,14 +132,25 @@ def on_common_steps(waves: Sequence[Wave]) -> tuple[list[Wave], Floats]:
     """Waves of one cycle whose rows lie on the same even steps, and the times of all rows, s.
 
     Where no steps meet the rows of all, these are moved as those of one wave are.
+
+    Raises
+    ------
+    InputError
+        Waves that last longer than others, by more than a row may lie beside its step.
     """
-    cycle, found = waves[0].cycle, list(waves)
-    every = np.concatenate([one.time for one in found])
-    steps = _steps(every)
+    cycle = waves[0].cycle
+    for one in waves:
+        if not math.isclose(one.cycle, cycle, rel_tol=ON_STEP / STEPS):
+            raise InputError(
+                f"inlets: expected waves of one length, got {cycle:.6g} and {one.cycle:.6g} s; "
+                "stretch the times of one to the length of the other, for a heart has one rate."
+            )
+    rows = [(np.array(one.time) * (cycle / one.cycle), np.array(one.flow)) for one in waves]
+    steps = _steps(np.concatenate([time for time, _ in rows]))
     if steps is None:
-        each = (_moved(np.array(one.time), np.array(one.flow)) for one in found)
-        found, steps = [Wave(tuple(t.tolist()), tuple(q.tolist())) for t, q in each], USUAL
-        every = np.concatenate([one.time for one in found])
+        rows, steps = [_moved(*both) for both in rows], USUAL
+    every = np.concatenate([time for time, _ in rows])
+    found = [Wave(tuple(time.tolist()), tuple(flow.tolist())) for time, flow in rows]
     return found, np.unique(np.rint(every / cycle * steps)) * cycle / steps
 
 

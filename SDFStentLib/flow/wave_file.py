@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import os
+import re
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +25,9 @@ ROUNDED = 1e-9
 """Of a number that is calculated."""
 
 MOST_BEATS = 64
+
+_THOUSANDS = re.compile(r"[1-9]\d{0,2}(,\d{3})+")
+"""A number whose commas may divide thousands."""
 
 _SAMPLES = 64
 """Of a beat, at which it is held against the others."""
@@ -45,7 +50,7 @@ class _Rows(NamedTuple):
 def read_wave(
     path: str | os.PathLike[str], *, needs_unit: bool = True, cycle: float | None = None
 ) -> ReadWave:
-    """A wave from CSV: a header with a unit of flow, then rows of time and flow.
+    """A wave from CSV: a header with a unit of flow, then rows of time and flow; # for comments.
 
     Its last row repeats the first one, or is the last of as many even steps. Several beats that
     are alike are averaged.
@@ -65,14 +70,47 @@ def read_wave(
     """
     path = as_path(path)
     try:
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError) as error:
+        cells = _cells(_decoded(path.read_bytes()))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: expected a CSV file, got {error}; correct the path.") from error
     try:
-        return _wave(_values(rows, needs_unit), cycle)
+        return _wave(_values(cells, needs_unit), cycle)
     except InputError as error:
         raise error.labeled(f"{path}: ") from error
+
+
+def _decoded(data: bytes) -> str:
+    """Text as spreadsheets write it; only a header has more than digits."""
+    if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        return data.decode("utf-16")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("cp1252")
+
+
+def _cells(text: str) -> list[list[str]]:
+    """Rows without comments and empty cells at their ends, decimals with a point.
+
+    Where semicolons or tabs divide columns, and no number has a point, commas are decimal ones.
+    """
+    lines = [line for line in text.splitlines() if line.strip() and line.lstrip()[0] != "#"]
+    told = re.fullmatch("sep=(.)", lines[0].strip(), re.IGNORECASE) if lines else None
+    lines = lines[told is not None :]
+    divides = (
+        told[1] if told else next((c for c in ";\t" if any(c in line for line in lines[1:])), ",")
+    )
+    rows = []
+    for row in csv.reader(lines, delimiter=divides):
+        cells = [cell.strip() for cell in row]
+        while cells and not cells[-1]:
+            cells.pop()
+        rows += [cells] if cells else []
+    numbers = [cell for row in rows[1:] for cell in row]
+    may_be_decimal = divides != "," and not any("." in cell for cell in numbers)
+    if divides != ";" and all(_THOUSANDS.fullmatch(cell) for cell in numbers if "," in cell):
+        may_be_decimal = False
+    return [[cell.replace(",", ".") if may_be_decimal else cell for cell in row] for row in rows]
 
 
 def _values(rows: list[list[str]], needs_unit: bool) -> _Rows:
@@ -82,7 +120,8 @@ def _values(rows: list[list[str]], needs_unit: bool) -> _Rows:
     if len(values) < LEAST_ROWS or None in values or len(header) not in (0, 2):
         raise InputError(
             "expected a header and rows of two numbers, time and flow, at least four of them, "
-            "divided by commas, got others; correct the file."
+            "divided by commas (by semicolons or tabs where commas are decimal ones), got others; "
+            "correct the file."
         )
     unit = flow_column(header[1]) if header else None
     if unit is None and needs_unit:
