@@ -103,6 +103,7 @@ def _cells(text: str) -> list[list[str]]:
     rows = []
     for row in csv.reader(lines, delimiter=divides):
         cells = [cell.strip() for cell in row]
+        # Ends: each round takes a cell.
         while cells and not cells[-1]:
             cells.pop()
         rows += [cells] if cells else []
