@@ -1,4 +1,5 @@
-"""One tree of a vessel from any lines that a file may hold, and which vessel goes on where."""
+"""One tree of a vessel from any lines that a file may hold, and the way that each
+vessel takes on."""
 
 from .branch_lumen import BranchLumen as BranchLumen
 from .branch_lumen import station_spacing as station_spacing

@@ -1,4 +1,4 @@
-"""Stations along every branch of a tree, with the lumen that its file tells."""
+"""Stations along every branch of a tree, with the lumen that its file gives."""
 
 from __future__ import annotations
 
@@ -12,44 +12,44 @@ from ..validation import Floats, Indices, Points
 from .point_tree import PointTree
 
 SAME_PLACE = 1e-9
-"""Length up to which a branch has none, mm."""
+"""Length, mm, up to which a branch counts as having none."""
 
 COARSEST, FINEST = 2.0, 0.5
-"""Distance of the stations, mm; between the two it is half of the branch's median radius. A lesion
-is measured anew round its narrowest station."""
+"""Largest and smallest spacing of the stations, mm; in between it is half of the branch's median
+radius. A lesion is measured anew round its narrowest station."""
 
 UNKNOWN_RADIUS = 2.0
-"""Where a centerline tells no radius, stations are as far apart as in such a branch, mm."""
+"""Radius, mm, that sets the spacing of stations where a centerline gives none."""
 
 
 class BranchLumen(NamedTuple):
-    """Stations along one branch, from the root's side on."""
+    """Stations along one branch, beginning on the root's side."""
 
     branch: int
     """Index into `Centerline.branches`."""
     nodes: tuple[int, int]
     """The centerline points at which it starts and ends."""
     start: float
-    """Arc length from the root to its start, mm."""
+    """Arc length from the root to the start of the branch, mm."""
     line: Line
-    """Through the n stations, mm."""
+    """Line through the n stations, mm."""
     along: Floats
     """(n,) arc length along the branch, mm."""
     diameter: Floats
     """(n,) inscribed diameter, mm; NaN where it is not known."""
     centers: Points
-    """(n, 3) of the spheres, mm; NaN where there is none."""
+    """(n, 3) centers of the spheres, mm; NaN where there is none."""
 
     @property
     def points(self) -> Points:
-        """(n, 3) on the centerline, mm."""
+        """(n, 3) stations on the centerline, mm."""
         return self.line.points
 
 
-def told_lumens(
+def lumens_of(
     tree: PointTree, branches: Sequence[Indices], arc_length: Floats
 ) -> tuple[BranchLumen, ...]:
-    """The stations along all branches that have a length, as wide as the tree's points tell."""
+    """Stations along all branches that have a length, with the widths of the tree's own points."""
     joined, found = _joined_nodes(branches, arc_length), []
     for number, branch in enumerate(branches):
         nodes = int(joined[branch[0]]), int(joined[branch[-1]])
@@ -66,7 +66,8 @@ def told_lumens(
 def branch_of_points(
     lumens: Sequence[BranchLumen], branches: Sequence[Indices], arc_length: Floats
 ) -> Indices:
-    """Index into the branches of every point of a tree; where one has no length, of the next."""
+    """Index into the branches for every point of a tree; the next branch where one
+    has no length."""
     found = np.full(len(arc_length), -1)
     for lumen in lumens:
         found[branches[lumen.branch][1:]] = lumen.branch
@@ -76,7 +77,7 @@ def branch_of_points(
 
 
 def _joined_nodes(branches: Sequence[Indices], arc_length: Floats) -> Indices:
-    """For every point the one that stands for it: both ends of a branch without length are one."""
+    """The point that stands for each: both ends of a branch without length are one."""
     joined = np.arange(len(arc_length))
     for branch in sorted(branches, key=lambda b: arc_length[b[0]]):
         if np.ptp(arc_length[branch]) <= SAME_PLACE:
@@ -85,7 +86,7 @@ def _joined_nodes(branches: Sequence[Indices], arc_length: Floats) -> Indices:
 
 
 def station_spacing(radius: Floats) -> float:
-    """Distance of stations along a lumen of these radii (n,), NaN: unknown, mm."""
+    """Spacing, mm, of stations along a lumen of these radii (n,), NaN where unknown."""
     known = radius[np.isfinite(radius)]
     spacing = (float(np.median(known)) if len(known) else UNKNOWN_RADIUS) / 2
     return min(max(spacing, FINEST), COARSEST)

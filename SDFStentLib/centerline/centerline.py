@@ -1,4 +1,4 @@
-"""The centerline of a vessel tree as one immutable value: points, radii, ancestry."""
+"""The centerline of a vessel tree as one immutable value: points, radii and parents."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..validation import (
     as_points,
     read_only,
 )
-from .branch_lumen import SAME_PLACE, BranchLumen, branch_of_points, told_lumens
+from .branch_lumen import SAME_PLACE, BranchLumen, branch_of_points, lumens_of
 from .from_lines import tree_from_lines
 from .path import CenterlinePath, JunctionChoice, Location
 from .point_tree import (
@@ -46,7 +46,7 @@ from .vessel_lines import LumenPlace, VesselLines
 
 @dataclass(frozen=True)
 class Centerline:
-    """A tree in point form.
+    """A vessel tree given by its points.
 
     Parameters
     ----------
@@ -58,8 +58,8 @@ class Centerline:
     parent : array_like of int, shape (n,)
         The next point towards the root, -1 at a root. Proximal is the root's side, always.
     loops : array_like of int, shape (k, 2), optional
-        Where vessels that part meet again: the last point of one, an end of the tree, and the point
-        of the other at which it does.
+        Places where vessels that parted meet again: the last point of one, which is an end of the
+        tree, and the point of the other at which it meets that.
 
     Raises
     ------
@@ -92,22 +92,23 @@ class Centerline:
         wall: ArrayLike | None = None,
         widths: Widths | None = None,
     ) -> Centerline:
-        """The tree of a centerline file's lines, whatever made it.
+        """The tree that the lines of a centerline file describe, whichever program wrote it.
 
         Points that coincide are one. Lines within a tenth of the inscribed radius of each other are
-        one up to where they part; pieces are joined across a gap within a sphere. Their order and
-        direction tell nothing. For unknown radii stand those of the nearest points, or the distance
-        to the wall; without any, 0.1 % of the extent for what is one and 1 % for a gap. A loop is
-        opened where its limbs meet again; what ends blind in a junction's sphere is dropped.
+        one line up to where they part; pieces are joined across a gap within a sphere. Their order
+        and direction do not matter. The radii of the nearest points, or distances to the wall,
+        stand in for unknown radii; without any, lines within 0.1 % of the extent are one line and
+        gaps of 1 % are joined. A loop is opened where its limbs meet again; a spur that ends blind
+        within its junction's sphere is dropped.
 
-        The root is the end nearest to `inlet`. Without that it is the end from which lines lead to
-        several others, all the way; then the widest end. Where one line has two ends that are as
-        wide, by a tenth, it is the one where the line begins.
+        The root is the end nearest to `inlet`. By default it is the end from which lines lead all
+        the way to several others, else the widest end. If the two ends of a single line are alike
+        to a tenth, it is the one where the line begins.
 
         Parameters
         ----------
         points : array_like, shape (n, 3)
-            mm; those that no line uses are left out.
+            Points, mm; those that no line uses are left out.
         lines : sequence of arrays of int
             Point indices of every line, in the order of the cell.
         inscribed_radius : array_like, shape (n,), optional
@@ -117,13 +118,13 @@ class Centerline:
         wall : array_like, shape (m, 3), optional
             Points of the surface in which the lines lie, mm.
         widths : callable, optional
-            Measures the vessel at its ends, see `Widths`; by default the radii tell.
+            Function that measures the vessel at its ends, see `Widths`; by default the radii serve.
 
         Raises
         ------
         InputError
-            No line, a line through one place only, nothing but a closed loop, indices that do not
-            exist, coordinates that are not finite, or pieces too far apart.
+            No line, a line through one place only, a closed loop only, indices that do not exist,
+            coordinates that are not finite, or pieces too far apart.
         """
         return cls(*tree_from_lines(points, lines, inscribed_radius, inlet, wall, widths))
 
@@ -176,11 +177,11 @@ class Centerline:
         return run_starts(self.parent)
 
     def project(self, point: ArrayLike) -> Location:
-        """The nearest place on its segments to one finite point; `InputError` for another."""
+        """The nearest place on the segments to a finite point; `InputError` for any other."""
         return self._nearest(point, np.flatnonzero(self.parent >= 0))
 
     def _nearest(self, point: ArrayLike, ends: Indices) -> Location:
-        """The nearest place on the segments that lead to some points."""
+        """The nearest place to a point on the segments that lead to some points."""
         starts = self.parent[ends]
         query = as_point(point, "point")[None]
         found = closest_on_segments(self.points[starts], self.points[ends], query)
@@ -190,7 +191,8 @@ class Centerline:
         along = (1.0 - fraction) * at[above] + fraction * at[index]
         local = mixed_radius(radius[above], radius[index], fraction)
         if along - at[above] <= SAME_PLACE and self.parent[above] >= 0:
-            # At a junction: on the segment above it, so that no branch is chosen by rounding.
+            # A place at a junction lies on the segment above it, so that rounding chooses no
+            # branch.
             index, fraction = above, 1.0
         place = read_only(found.points[0])
         distance = float(found.distances[0])
@@ -204,7 +206,7 @@ class Centerline:
         branch : int
             Index into `branches`.
         distance : float
-            From the start of the branch, its end nearest to the root, mm.
+            Distance from the start of the branch, its end nearest to the root, mm.
 
         Raises
         ------
@@ -250,9 +252,9 @@ class Centerline:
     def ends_of_path(
         self, from_point: ArrayLike | Location, to_point: ArrayLike | Location
     ) -> tuple[Location, Location]:
-        """Where the way between two places begins and ends, on the centerline.
+        """The places on the centerline where the way between two places begins and ends.
 
-        A point from which a lumen leads to the other place is put on the line that comes there.
+        A point in a lumen that leads to the other place is put on the line that arrives there.
         """
         start, end = self._location(from_point), self._location(to_point)
         if start is not from_point:
@@ -262,38 +264,41 @@ class Centerline:
         return start, end
 
     def path_around(self, center: ArrayLike | Location, length: float) -> CenterlinePath:
-        """Half of the length up towards the root and half down towards the outlets, mm.
+        """The path of a length, mm, half of it up towards the root and half down towards the
+        outlets.
 
-        Along the line of the vessel in whose lumen the place lies, whichever line is the nearest.
-        Where that divides the path follows the widest branch, or the straightest where a radius is
-        unknown; `choices` lists the divisions passed so. It ends where the centerline ends.
+        It follows the line of the vessel in whose lumen the place lies, whichever line is nearest.
+        Where that vessel divides, the path follows the widest branch, or the straightest where a
+        radius is unknown; `choices` lists these divisions. It ends where the centerline ends.
         """
         half = as_number(length, "length", unit="mm", above=0) / 2
         return self._path_through(center, half, half)
 
     def path_from_distal(self, distal: ArrayLike | Location, length: float) -> CenterlinePath:
-        """From a distal end up towards the root; shorter where the centerline ends."""
+        """The path, `length` mm long, from a distal end up towards the root, or to
+        the last point."""
         return self._path_through(distal, as_number(length, "length", unit="mm", above=0), 0.0)
 
     def path_from_proximal(self, proximal: ArrayLike | Location, length: float) -> CenterlinePath:
-        """From a proximal end down towards the outlets; junctions as in `path_around`."""
+        """The path, `length` mm long, from a proximal end downstream; junctions as in
+        `path_around`."""
         return self._path_through(proximal, 0.0, as_number(length, "length", unit="mm", above=0))
 
     def resampled(self, spacing: float) -> Centerline:
-        """Equal arc length of about `spacing` (mm) along every branch, whose ends stay."""
+        """The tree with points about `spacing` mm apart along branches, whose ends stay."""
         spacing = as_number(spacing, "spacing", unit="mm", above=0)
         tree = PointTree(self.points, self.inscribed_radius, self.parent, self.loops)
         return Centerline(*resampled_tree(tree, spacing))
 
     def with_points(self, new_points: ArrayLike) -> Centerline:
-        """The same tree with its points, one for one, elsewhere."""
+        """The same tree with each of its points moved elsewhere."""
         return replace(self, points=np.asarray(new_points))
 
     def _location(self, place: ArrayLike | Location) -> Location:
         return place if isinstance(place, Location) else self.project(place)
 
     def _path_through(self, place: ArrayLike | Location, up: float, down: float) -> CenterlinePath:
-        """From `up` mm above a place to `down` mm below it, along its vessel."""
+        """The path from `up` mm above a place to `down` mm below it, along its vessel."""
         near = self._location(place)
         if not self.lumens:
             return CenterlinePath(Line(near.point[None]), np.array([near.inscribed_radius]))
@@ -317,7 +322,7 @@ class Centerline:
         return CenterlinePath(line.without_repeats(), radius[line.distinct], tuple(choices))
 
     def _on_line_to(self, end: Location, start: Location) -> Location:
-        """A place from which a lumen leads to another one, on the line that comes there."""
+        """A place whose lumen leads to another one, moved onto the line that arrives there."""
         nodes = self.ancestry(end.index)
         if not self.lumens or start.index in nodes or start.arc_length > end.arc_length:
             return start
@@ -332,14 +337,15 @@ class Centerline:
 
     @cached_property
     def _branch_of(self) -> Indices:
-        """Index into `branches` of every point; where one has no length, of the one next to it."""
+        """Index into `branches` for every point; where one has no length, of the one next to it."""
         return branch_of_points(self.lumens, self.branches, self.arc_length)
 
     @cached_property
     def lumens(self) -> tuple[BranchLumen, ...]:
-        """Stations along all branches that have a length, as wide as the tree's points tell."""
+        """Stations along all branches that have a length, with the widths of the
+        tree's own points."""
         tree = PointTree(self.points, self.inscribed_radius, self.parent)
-        return told_lumens(tree, self.branches, self.arc_length)
+        return lumens_of(tree, self.branches, self.arc_length)
 
     @cached_property
     def _vessel_lines(self) -> VesselLines:

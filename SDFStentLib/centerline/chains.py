@@ -1,4 +1,4 @@
-"""The lines of a graph between its ends and branchings, no denser than the width can tell."""
+"""The lines of a graph between its ends and branchings, no denser than the width requires."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from .line_graph import LineGraph, half_edges
 
 
 class Chains(NamedTuple):
-    """Node paths, longest first, and the number of the path to which each edge belongs."""
+    """Node paths, longest first, with their edges, the path of every edge, and the paths at every
+    end."""
 
     paths: list[Indices]
     edge_numbers: list[Indices]
@@ -45,7 +46,7 @@ def chains(edges: Indices, count: int, stops: NDArray[np.bool_]) -> list[Indices
     table = half_edges(edges, count)
     degree = np.diff(table.starts)
     is_stop = (degree != 2) | stops
-    # Of the others the two neighbors; of stops whatever stands there.
+    # The two neighbors of every node; for stops any two numbers will do.
     last = max(len(table.points) - 1, 0)
     one, other = (table.points[np.minimum(table.starts[:-1] + k, last)].tolist() for k in (0, 1))
     ends, seen = is_stop.tolist(), np.zeros(count, dtype=bool)
@@ -74,12 +75,12 @@ def chains(edges: Indices, count: int, stops: NDArray[np.bool_]) -> list[Indices
 
 
 def thinned(graph: LineGraph, line_ends: Indices, spacing: Floats) -> tuple[LineGraph, Indices]:
-    """The graph, where points follow each other more closely than a spacing, without most of them.
+    """The graph with points left out where they follow each other more closely than a spacing.
 
-    The work on a graph goes with the number of points near each other: a line of 100,000 points
-    over 40 mm has 150 million such pairs. Only lines that are as dense on the whole are thinned; a
-    few such points, as where files' lines run along each other, do no harm. Ends, junctions and
-    ends of the file's lines stay.
+    The work on a graph grows with the number of points near each other: a line of 100,000 points
+    over 40 mm has 150 million such pairs. Only graphs that are this dense on the whole are thinned;
+    a few dense points, as where lines of a file run along each other, do no harm. Ends, junctions
+    and ends of the file's lines stay.
 
     Parameters
     ----------
@@ -87,12 +88,12 @@ def thinned(graph: LineGraph, line_ends: Indices, spacing: Floats) -> tuple[Line
         Welded lines.
     line_ends : array of nodes
     spacing : (n,) array
-        At every node, mm.
+        Spacing at every node, mm.
 
     Returns
     -------
     LineGraph, array of nodes
-        The latter are `line_ends` in it.
+        The thinned graph, and `line_ends` in its numbers.
     """
     steps = graph.edge_lengths() / spacing[graph.edges].min(axis=1)
     if steps.mean() >= 1:

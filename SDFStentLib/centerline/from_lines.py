@@ -1,4 +1,4 @@
-"""One tree from the lines of a centerline file, whatever made it.
+"""One tree from the lines of a centerline file, whichever program wrote it.
 
 The same steps serve every form: weld points that coincide, merge lines that run along each
 other, join pieces across small gaps, choose the root, open loops. Tolerances are fractions of
@@ -19,14 +19,14 @@ from .line_graph import WELD_EXTENT, LineGraph, near_pairs, reach_of, welded
 from .loops import opened_where_they_meet
 from .overlaps import OVERLAP_EXTENT, OVERLAP_FRACTION, merged_overlaps
 from .point_tree import PointTree, as_radii, sums_to_root
-from .root import LineEnds, Widths, ends_at, root_of
+from .root import FileLines, Widths, ends_at, root_of
 
 GAP_FRACTION = 1.0
-"""A spur is within its junction up to this fraction of the local inscribed radius."""
+"""Length of a spur, over the inscribed radius, up to which it counts as within its junction."""
 
 JOINED_FRACTION = 2.0
-"""Pieces are joined across a gap of so many radii, the diameter of a sphere: without what lies
-in that of their junction, pieces of VMTK's lines are up to 1.0 radii of it apart."""
+"""Largest gap, in radii, across which pieces are joined: the diameter of a sphere. Without their
+parts within the sphere of a junction, pieces of VMTK's lines are up to 1.0 radii of it apart."""
 
 GAP_EXTENT = 1e-2
 """The same as a fraction of the bounding box's diagonal where no radius is known."""
@@ -44,7 +44,7 @@ def tree_from_lines(
     wall: ArrayLike | None = None,
     widths: Widths | None = None,
 ) -> PointTree:
-    """The tree that the lines describe; see `Centerline.from_lines`, which documents it.
+    """The tree that the lines describe; documented at `Centerline.from_lines`.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def tree_from_lines(
     graph, line_ends = welded(checked, radius, index_lines)
     graph = graph._replace(radius=_filled(graph))
     two_point_cells = len(index_lines) > 1 and all(len(line) == 2 for line in index_lines)
-    ends = LineEnds(graph.points[line_ends], two_point_cells or len(index_lines) == 1)
+    ends = FileLines(graph.points[line_ends], two_point_cells or len(index_lines) == 1)
     tips = graph.points[graph.degrees() == 1]
     graph, line_ends = _thinned(graph, line_ends[:0] if two_point_cells else line_ends)
     graph = merged_overlaps(graph, line_ends)
@@ -75,9 +75,9 @@ def tree_from_lines(
 def _in_order(
     points: Points, radius: Floats, lines: list[Indices]
 ) -> tuple[Points, Floats, list[Indices]]:
-    """The same lines with their points in an order of their own, which no file decides.
+    """The same lines with their points in an order that does not depend on that of the file.
 
-    All that follows goes by the numbers of points where nothing else tells two of them apart.
+    All further steps go by the numbers of points where nothing else distinguishes two of them.
     """
     order = np.lexsort((radius, *points.T))
     rank = np.empty_like(order)
@@ -111,7 +111,7 @@ def _as_lines(lines: Sequence[ArrayLike], point_count: int) -> list[Indices]:
 
 
 def _filled(graph: LineGraph) -> Floats:
-    """The radii (n,), those of the nearest points that have one where a file has none."""
+    """The radii (n,), with that of the nearest known point where a file gives none."""
     known = np.isfinite(graph.radius)
     if known.all() or not known.any():
         return graph.radius
@@ -120,7 +120,7 @@ def _filled(graph: LineGraph) -> Floats:
 
 
 def _joined(graph: LineGraph) -> tuple[LineGraph, Points]:
-    """One connected graph, and where it was joined: gaps within a sphere are bridged, shortest
+    """One connected graph, and the places where it was joined: gaps within a sphere, shortest
     first."""
     from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 
@@ -149,7 +149,7 @@ def _joined(graph: LineGraph) -> tuple[LineGraph, Points]:
 
 
 def _refuse_gap(graph: LineGraph, labels: Indices, reach: Floats) -> None:
-    """Name the gap between the largest piece and the piece nearest to it."""
+    """Raise an error that names the gap between the largest piece and the one nearest to it."""
     from scipy.spatial import cKDTree
 
     largest = np.bincount(labels).argmax()
@@ -168,9 +168,10 @@ def _refuse_gap(graph: LineGraph, labels: Indices, reach: Floats) -> None:
 
 
 def _rooted(graph: LineGraph, root: int, tips: Points) -> PointTree:
-    """Shortest way from the root to every node; spurs that end where no line does are dropped.
+    """The tree of shortest ways from the root to every node, without spurs that end where no line
+    does.
 
-    Where it divides the longest way comes first.
+    Where it divides, the longest way comes first.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import depth_first_order, dijkstra
@@ -196,9 +197,9 @@ def _rooted(graph: LineGraph, root: int, tips: Points) -> PointTree:
 
 
 def _longest_first(graph: LineGraph, parent: Indices, kept: Flags) -> Indices:
-    """A number for each node (n,), the lower the longer the way down from its parent through it.
+    """A rank for each node (n,), the lower the longer the way from its parent down through it is.
 
-    Ways that differ by rounding are as long; then the order is that of the nodes.
+    Ways that differ by rounding only count as equally long; then the order is that of the nodes.
     """
     steps = np.where(parent < 0, 0.0, norm(graph.points - graph.points[parent]))
     away = sums_to_root(parent, steps)
@@ -213,9 +214,11 @@ def _longest_first(graph: LineGraph, parent: Indices, kept: Flags) -> Indices:
 
 
 def _without_spurs(graph: LineGraph, parent: Indices, tips: Points, is_inlet: Flags) -> Flags:
-    """Which nodes stay: dead ends made by opening a loop, or by merging lines that part for a
-    moment, go when inside their junction's sphere or at the inlet, where a cap leaves no sphere, or
-    all along beside another line, in a lumen that is told by it."""
+    """Whether each node stays; dead ends made by opening a loop or by merging lines do not.
+
+    They go when they end within their junction's sphere, or at the inlet, where a cap leaves no
+    sphere, or run all along beside another line, which then stands for their lumen.
+    """
     kept = np.ones(len(parent), dtype=bool)
     child_count = np.bincount(parent[parent >= 0], minlength=len(parent))
     reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
@@ -250,6 +253,6 @@ def _without_spurs(graph: LineGraph, parent: Indices, tips: Points, is_inlet: Fl
 
 
 def _thinned(graph: LineGraph, line_ends: Indices) -> tuple[LineGraph, Indices]:
-    """The graph with no more points than are needed, and the ends of the lines in it."""
+    """The graph with no more points than needed, and the ends of the lines in its numbers."""
     spacing = reach_of(graph, DENSEST * OVERLAP_FRACTION, DENSEST * OVERLAP_EXTENT)
     return thinned(graph, line_ends, spacing)

@@ -1,4 +1,4 @@
-"""Whether a line goes to and fro, as one does that was traced from voxels or by a shaky hand."""
+"""Whether a line goes to and fro, as one traced from voxels or by a shaky hand does."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from ..geometry import Line, dot
 from ..validation import Floats
 
 JAGGED = 20.0
-"""Degrees by which at least half of the turns of a jagged line go to and fro. Those of the
-anatomies do by 3 at most; with noise that makes it 20 they are 5 to 8 % longer than the vessel."""
+"""Median angle, degrees, by which lines turn to and fro, from which on they count as jagged. Lines
+of the anatomies have 3 at most; with noise that makes it 20 they are 5 to 8 % longer than the
+vessel."""
 
 
 def zigzag(lines: Sequence[Line]) -> float:
-    """By how much lines turn to and fro, degrees: the median over their inner points.
+    """The angle by which lines turn to and fro, degrees: the median over their inner points.
 
     Turns in one direction, as in a bend, count as 0, however few points it has.
     """
@@ -25,7 +26,7 @@ def zigzag(lines: Sequence[Line]) -> float:
 
 
 def _to_and_fro(line: Line) -> Floats:
-    """How much every turn (k,) but the first turns back of the one before, degrees."""
+    """The part of every turn (k,) but the first that undoes the one before, degrees."""
     solid = line.pieces > 0
     ways = np.diff(line.points, axis=0)[solid] / line.pieces[solid, None]
     bends = np.diff(ways, axis=0)

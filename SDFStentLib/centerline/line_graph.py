@@ -1,4 +1,5 @@
-"""The graph of a centerline file's lines: points welded, edges, what lies near what."""
+"""The graph of a centerline file's lines: points welded, edges, and which nodes lie near which
+edges."""
 
 from __future__ import annotations
 
@@ -14,15 +15,16 @@ from ..validation import Floats, Indices, InputError, Points
 from .point_tree import NeighborTable, mixed_radius
 
 WELD_EXTENT = 1e-6
-"""Points nearer than this fraction of the bounding box's diagonal are one point."""
+"""Distance, over the bounding box's diagonal, below which two points are one point."""
 
 
 PAIRS = 1 << 18
-"""Nodes and segments compared at once: some ten MB."""
+"""Pairs of a node and a segment compared at once: some ten MB."""
 
 
 class Bridges(NamedTuple):
-    """Nodes near segments of which they are no end: distance, mm, and fraction along it."""
+    """Pairs of a node and a segment near it that it does not end, with fraction and
+    distance, mm."""
 
     nodes: Indices
     segments: Indices
@@ -35,7 +37,8 @@ class Bridges(NamedTuple):
 
 
 class LineGraph(NamedTuple):
-    """Nodes with a radius (NaN: unknown) and undirected edges (m, 2), each once, no loops."""
+    """Nodes with a radius (NaN where unknown), and undirected edges (m, 2), each once, no
+    self-loops."""
 
     points: Points
     radius: Floats
@@ -70,14 +73,14 @@ class LineGraph(NamedTuple):
         return component_labels(len(self.points), self.edges[:, 0], self.edges[:, 1])
 
     def with_edges(self, more: Indices) -> LineGraph:
-        """The graph with edges added; loops and doubles are left out."""
+        """The graph with edges added; self-loops and doubles are left out."""
         return self._replace(edges=_unique_edges(np.concatenate([self.edges, more])))
 
     def bridged(self, bridges: Bridges) -> LineGraph:
         """The graph with each pair's node joined to its segment, which is split at the foot.
 
-        The foot is the end of the segment where it falls on it, or the node itself where that
-        lies on the segment.
+        An end of the segment serves as the foot where the two coincide, and the node itself does
+        where it lies on the segment.
         """
         edges, fractions = bridges.segments, bridges.fractions
         feet, radius = self.interpolated(edges, fractions)
@@ -95,14 +98,14 @@ class LineGraph(NamedTuple):
         )
 
     def interpolated(self, edges: Indices, fractions: Floats) -> tuple[Points, Floats]:
-        """Points and radii on edges; where one end has no radius that of the other one."""
+        """Points and radii on edges; where one end has no radius, that of the other end."""
         starts, ends = self.edges[edges].T
         weights = fractions[:, None]
         feet = (1.0 - weights) * self.points[starts] + weights * self.points[ends]
         return feet, mixed_radius(self.radius[starts], self.radius[ends], fractions)
 
     def end_at(self, edges: Indices, fractions: Floats) -> Indices:
-        """The end of the edge with which a point on it coincides; -1 for a point between."""
+        """The end of the edge with which a point on it coincides; -1 for a point in between."""
         ends = self.edges[edges, (fractions >= 0.5).astype(np.int64)]
         to_end = np.minimum(fractions, 1.0 - fractions) * self.edge_lengths()[edges]
         return np.where(to_end <= WELD_EXTENT * self.extent(), ends, -1)
@@ -114,20 +117,20 @@ class LineGraph(NamedTuple):
 
 
 def half_edges(edges: Indices, count: int) -> NeighborTable:
-    """The nodes next to each of so many, in the order of the edges (m, 2)."""
+    """The nodes next to each of `count` nodes, in the order of the edges (m, 2)."""
     order = np.argsort(edges.ravel(), kind="stable")
     starts = np.searchsorted(edges.ravel()[order], np.arange(count + 1))
     return NeighborTable(starts, edges[:, ::-1].ravel()[order])
 
 
 def reach_of(graph: LineGraph, fraction: float, extent_fraction: float) -> Floats:
-    """Per node `fraction` of its radius, or of the extent where the radius is unknown, mm."""
+    """A fraction of the radius of every node, or of the extent where that is unknown, mm."""
     known = fraction * graph.radius
     return np.where(np.isnan(known), extent_fraction * graph.extent(), known)
 
 
 def welded(points: Points, radius: Floats, lines: list[Indices]) -> tuple[LineGraph, Indices]:
-    """The graph of the lines with coincident points made one node.
+    """The graph of the lines, in which coincident points are one node.
 
     Returns
     -------
@@ -160,14 +163,14 @@ def welded(points: Points, radius: Floats, lines: list[Indices]) -> tuple[LineGr
 
 
 def _coincident(points: Points, tolerance: float) -> Indices:
-    """Node number of each point; points within the tolerance share one, counted as stored."""
+    """Node number of each point, in stored order; points within the tolerance share one."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     # Rounding first bounds the number of pairs, however many points lie at one place.
     cells = np.round((points - points.min(axis=0)) / max(tolerance, np.finfo(float).tiny))
-    # There are at most 1 / WELD_EXTENT cells a side, so that one number tells a cell.
+    # There are at most 1 / WELD_EXTENT cells a side, so that one number identifies a cell.
     x, y, z = cells.astype(np.int64).T
     side = int(1 / WELD_EXTENT) + 2
     cell = (x * side + y) * side + z
@@ -196,9 +199,9 @@ def split_edges(
     nodes: Indices,
     without: Indices | tuple[int, ...] = (),
 ) -> Indices:
-    """The edges with nodes inserted into some of them, at fractions from their first end.
+    """The edges with nodes inserted into some of them, at fractions counted from their first end.
 
-    `which` edge gets which of `nodes` at which of `fractions`; edges `without` are left out.
+    Edge `which[i]` gets `nodes[i]` at `fractions[i]`; the edges `without` are left out.
     """
     parts = [np.delete(edges, np.concatenate([which, without]).astype(np.int64), axis=0)]
     order = np.lexsort((fractions, which))
@@ -217,20 +220,21 @@ def near_pairs(
     nodes: Indices | None = None,
     edges: Indices | None = None,
 ) -> Bridges:
-    """All nodes within the reach (of the wider end) of a segment of which they are no end.
+    """All pairs of a node and a segment that it does not end, within reach of the segment's wider
+    end.
 
-    Dense points of wide vessels have hundreds of neighbors each: so many pairs are looked at in
+    Dense points of wide vessels have hundreds of neighbors each: so the pairs are looked at in
     blocks, and only those within reach are kept.
 
     Parameters
     ----------
     graph : LineGraph
     reach : (n,) array
-        Of every node, mm.
+        Reach of every node, mm.
     piece : (n,) array, optional
-        The piece that every node is of: then only pairs between different pieces.
+        Piece to which every node belongs: then only pairs between different pieces count.
     nodes, edges : arrays of int, optional
-        Only these, each once.
+        The only nodes and edges to look at, each once; by default all.
     """
     from scipy.spatial import cKDTree
 
@@ -260,7 +264,7 @@ def near_pairs(
 
 
 def pairs_within(graph: LineGraph, reach: Floats, edges: Indices) -> int:
-    """About how many pairs `near_pairs` looks at for some edges."""
+    """An estimate of the number of pairs that `near_pairs` looks at for some edges."""
     from scipy.spatial import cKDTree
 
     ends = graph.edges[edges]
@@ -271,7 +275,7 @@ def pairs_within(graph: LineGraph, reach: Floats, edges: Indices) -> int:
 
 
 def _blocks(counts: Indices) -> Iterator[slice]:
-    """Parts of a row of counts with sums of about `PAIRS` at most; at least one part."""
+    """Slices of a row of counts whose sums are about `PAIRS` at most; at least one slice."""
     block = np.cumsum(counts) // PAIRS
     bounds = np.flatnonzero(np.diff(block)) + 1
     for start, end in pairwise([0, *bounds.tolist(), len(counts)]):
@@ -279,7 +283,7 @@ def _blocks(counts: Indices) -> Iterator[slice]:
 
 
 def _within(tree: Any, centers: Points, radii: Floats, part: slice) -> tuple[Indices, Indices]:
-    """Points of a tree within radii of some centers, and the number of the center of each."""
+    """Points of a tree within radii of some centers, and for each the number of its center."""
     found = tree.query_ball_point(centers[part], radii[part], return_sorted=True)
     counts = [len(nodes) for nodes in found]
     numbers = np.repeat(np.arange(part.start, part.start + len(counts)), counts)

@@ -1,4 +1,4 @@
-"""Lines that part and meet again: a tree has to leave out a step of such a loop."""
+"""Loops of lines that part and meet again: a tree has to leave out a step of each."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from .point_tree import ancestry_of
 def opened_where_they_meet(
     graph: LineGraph, parent: Indices, away: Floats, kept: Flags, reach: Floats
 ) -> tuple[Indices, Indices]:
-    """The tree whose loops are opened where a limb meets the vessel again, and these places.
+    """The tree with loops opened where a limb meets the vessel again, and these places.
 
-    Shortest ways leave out a step somewhere within a limb. So that a limb is one branch, from
-    where it parts on, what comes to this step from the far side is turned round.
+    Shortest ways leave out a step somewhere within a limb. So that a limb is one branch from where
+    it parts, the part that reaches this step from the far side is turned round.
 
     Parameters
     ----------
     graph : LineGraph
     parent : (n,) array
-        Of every node on the shortest way to the root, -1 there.
+        Next node on the shortest way of every node to the root, -1 there.
     away : (n,) array
-        Length of that way, mm.
+        Length of the shortest way to the root, mm.
     kept : (n,) array of bool
-        Nodes of the tree.
+        Whether each node is in the tree.
     reach : (n,) array
-        Lines that stay so near to each other lie in one lumen: they are no loop, mm.
+        Distance, mm, up to which lines lie in one lumen and make no loop.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def opened_where_they_meet(
 
 
 def _cycle(parent: Indices, step: tuple[int, int]) -> Indices:
-    """The nodes of the loop that a step closes, that where the two ways part included."""
+    """The nodes of the loop that a step closes, with the node where its two ways part."""
     one, other = (ancestry_of(parent, node) for node in step)
     count = min(len(one), len(other))
     shared = int(np.sum(one[:count] == other[:count]))
@@ -65,7 +65,7 @@ def _cycle(parent: Indices, step: tuple[int, int]) -> Indices:
 
 
 def _up_to_junction(parent: Indices, degrees: Indices, node: int) -> list[int]:
-    """The nodes from one to the next junction on its way to the root, both included."""
+    """The nodes from a given one to the next junction on its way to the root, both included."""
     way = [node]
     # Ends: at the root at the latest.
     while degrees[way[-1]] == 2 and parent[way[-1]] >= 0:

@@ -1,4 +1,4 @@
-"""How wide lumens are with all that they lead to, and in which of its children one may go on."""
+"""How wide lumens are, with all that they lead to, and in which of its children each may go on."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from .branch_lumen import UNKNOWN_RADIUS
 from .stretches import Stretch
 
 SAME_CALIBER = 0.8
-"""Share of the widest branch's caliber from which another one is alike."""
+"""Share of the widest branch's caliber from which on another branch counts as alike."""
 
 USUAL = 0.67
-"""Quantile of a branch's own diameters that is its caliber, if what it leads to is no wider:
-above that of a lesion of up to two thirds of its length."""
+"""Quantile of a branch's own diameters that is its caliber, unless it leads to a wider one: a
+lesion of up to two thirds of its length does not lower it."""
 
 _JUNCTION = 6.0
-"""Radii of a junction within which the vessels that meet there may lie in one another."""
+"""Distance from a junction, in radii, within which its vessels may lie in one another."""
 
 
 class LumenTree:
@@ -27,7 +27,7 @@ class LumenTree:
     Parameters
     ----------
     lumens : sequence of Stretch
-        Every one after the one above it.
+        Stretches, each after the one above it.
     limbs : collection of int, optional
         Branches of the centerline that end where they meet the vessel again.
 
@@ -36,11 +36,11 @@ class LumenTree:
     children : list of lists of int
     roots : list of int
     own : list of (n,) arrays of bool
-        Stations outside of other vessels.
+        Whether each station lies outside of other vessels.
     calibers : (k,) array
-        Of the widest healthy part of what a stretch leads to, mm; 0 where nothing is known.
+        Diameter of the widest healthy part that a stretch leads to, mm; 0 where nothing is known.
     outlets : list of int
-        To how many ends of the vessel it leads; 1 for a limb.
+        Number of ends of the vessel to which a stretch leads; 1 for a limb.
     """
 
     def __init__(self, lumens: Sequence[Stretch], limbs: Collection[int] = ()) -> None:
@@ -78,15 +78,17 @@ class LumenTree:
         return [count or 1 for count in counts]
 
     def alike(self, number: int) -> list[int]:
-        """The children of a stretch that may continue it: the widest and those as wide, the longest
-        of several first."""
+        """The children of a stretch that may continue it: the widest one and those about as wide.
+
+        The widest come first, and the longer of equals.
+        """
         children = sorted(self.children[number], key=lambda one: -self.lumens[one].along[-1])
         children.sort(key=lambda child: -float(self.calibers[child]))
         limit = SAME_CALIBER * self.calibers[children[0]]
         return [child for child in children if self.calibers[child] >= limit]
 
     def straightest(self, number: int, children: Sequence[int]) -> int:
-        """The one of some children that turns the least, the first of several."""
+        """The one of some children that turns least; the first of equals."""
         turns = [round(self._straightness(number, child), 9) for child in children]
         return children[int(np.argmax(turns))]
 
@@ -109,7 +111,8 @@ def _point_after(lumen: Stretch, reach: float) -> Floats:
 
 
 def _is_inside(lumen: Stretch, other: Stretch) -> Flags:
-    """Which stations (n,) of a branch lie in the lumen of another that meets it at its start."""
+    """Whether each station (n,) of a branch lies in the lumen of another that meets it at its
+    start."""
     node, radius = lumen.points[0], other.diameter / 2
     away = np.linalg.norm(other.points - node, axis=1)
     known = np.isfinite(radius)

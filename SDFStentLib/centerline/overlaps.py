@@ -1,4 +1,4 @@
-"""Lines of one vessel that run along each other become one line, up to where they part."""
+"""Merging of lines of one vessel that run along each other, up to where they part."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from .chains import Chains, ranked_chains
 from .line_graph import LineGraph, near_pairs, pairs_within, reach_of, split_edges
 
 OVERLAP_FRACTION = 0.1
-"""Lines nearer to each other than this fraction of the inscribed radius are one line."""
+"""Distance of lines, over the inscribed radius, below which they are one line."""
 
 OVERLAP_EXTENT = 1e-3
 """The same as a fraction of the bounding box's diagonal where no radius is known."""
 
 LEAVING_RATIO = 0.5
-"""From a common end two lines overlap while their distance is below this fraction of the way."""
+"""Distance of two lines from a common end, over the way from there, below which they overlap."""
 
 MOST_PAIRS = 1 << 16
-"""Nodes and segments near each other that are looked at together, about."""
+"""Number of near pairs of node and segment, about, that are looked at together."""
 
 _SOME = 500
-"""Segments that tell how many there are."""
+"""Number of segments from which the number of pairs is estimated."""
 
 
 def merged_overlaps(graph: LineGraph, line_ends: Indices) -> LineGraph:
-    """The graph in which lines that run along a longer one are part of it.
+    """The graph with lines that run along a longer one merged into that one.
 
     A node within `OVERLAP_FRACTION` of the radius of a longer line's segment lies on that line.
     Where a line leaves the longer one, its last such node is moved onto it and inserted there.
@@ -38,7 +38,7 @@ def merged_overlaps(graph: LineGraph, line_ends: Indices) -> LineGraph:
     graph : LineGraph
         Welded lines.
     line_ends : array of nodes
-        Where lines of the file start or end: lines that touch there are compared as well.
+        Nodes at which lines of the file start or end: lines that touch there are compared as well.
     """
     graph = _without_chords(graph)
     stops = np.zeros(len(graph.points), dtype=bool)
@@ -60,15 +60,15 @@ def _reach(graph: LineGraph) -> Floats:
 
 
 def _together(graph: LineGraph, first_chain: Indices) -> Iterator[range]:
-    """Chains, by number, round which is looked at once: they have about `MOST_PAIRS` pairs.
+    """Ranges of chains whose surroundings are searched together: about `MOST_PAIRS` pairs each.
 
-    Of many lines that run along each other only the longest keeps its edges: the others are not
-    looked at again by those that come after them.
+    Only the longest of many lines that run along each other keeps its edges: the others are not
+    searched again for the chains that come after them.
     """
     some = np.arange(0, len(graph.edges), max(1, len(graph.edges) // _SOME))
     share = len(graph.edges) / len(some)
     pairs = max(1.0, share * pairs_within(graph, _reach(graph), some))
-    # Pairs go with the square of the nodes.
+    # The number of pairs grows with the square of that of the nodes.
     count = max(1, int(len(graph.points) * min(1.0, np.sqrt(MOST_PAIRS / pairs))))
     last = np.cumsum(np.bincount(first_chain)) // count
     bounds = np.flatnonzero(np.diff(last)) + 1
@@ -76,9 +76,10 @@ def _together(graph: LineGraph, first_chain: Indices) -> Iterator[range]:
 
 
 def _without_chords(graph: LineGraph) -> LineGraph:
-    """Drop edges, longest first, whose two ends are connected through nodes beside them.
+    """The graph without edges whose two ends are connected through nodes beside them.
 
-    So a coarse line that shares some points with a finer one adds nothing to it.
+    The longest are dropped first. So a coarse line that shares some points with a finer one adds
+    nothing to it.
     """
     neighbors = _NeighborSets(graph)
     branching = np.flatnonzero(graph.degrees()[graph.edges].max(axis=1) > 2)
@@ -100,7 +101,7 @@ def _without_chords(graph: LineGraph) -> LineGraph:
 
 
 class _NeighborSets(dict[int, set[int]]):
-    """The nodes next to a node, looked up when first asked for."""
+    """The sets of nodes next to a node, looked up when first asked for."""
 
     def __init__(self, graph: LineGraph) -> None:
         self._table = graph.neighbors()
@@ -126,7 +127,7 @@ def _meet(neighbors: _NeighborSets, start: int, end: int, through: set[int]) -> 
 
 
 class _Merge:
-    """The state of one merge: per node the segment of an earlier chain that it is on, edges gone.
+    """The state of a merge: the segment of an earlier chain under every node, and the edges gone.
 
     Parameters
     ----------
@@ -136,7 +137,7 @@ class _Merge:
     Attributes
     ----------
     foot, fraction : (n,) arrays
-        Of every node: an edge of an earlier chain, or -1, and the place on it.
+        Edge of an earlier chain on which every node lies, or -1, and the place on it.
     gone : (m,) array of bool
         Edges that run along earlier chains.
     """
@@ -148,10 +149,10 @@ class _Merge:
         self.gone = np.zeros(len(graph.edges), dtype=bool)
 
     def look_round(self, first_chain: Indices, numbers: range) -> None:
-        """Find what of earlier chains, and of some, is near the nodes that are new in these.
+        """Find the segments of earlier chains, and of some chains, near the new nodes of these.
 
-        Pairs are sorted by the first chain that has their node, then by distance; `first_pair`
-        tells where those of each chain begin.
+        Pairs are sorted by the first chain that has their node, then by distance; those of each
+        chain begin at `first_pair`.
         """
         nodes = np.flatnonzero((first_chain >= numbers.start) & (first_chain < numbers.stop))
         edges = np.flatnonzero((self.found.of_edge < numbers.stop) & ~self.gone)
@@ -162,7 +163,7 @@ class _Merge:
         self.first_number = numbers.start
 
     def put_on_earlier_chains(self, number: int) -> None:
-        """Enter the feet of a chain's new nodes; drop its edges that run along earlier chains."""
+        """Note the feet of a chain's new nodes; drop its edges that run along earlier chains."""
         candidates = self._candidates(number)
         ends, at_end = self.found.ends[number], self.found.at_end
         meeting = {chain for end in ends for chain in at_end[end]}
@@ -193,7 +194,7 @@ class _Merge:
         self.fraction[node] = self.pairs.fractions[pair]
 
     def _candidates(self, number: int) -> dict[int, dict[int, int]]:
-        """Per new node and earlier chain in reach the nearest pair."""
+        """The nearest pair for every new node of a chain and every earlier chain in reach of it."""
         row = number - self.first_number
         first, end = self.first_pair[row : row + 2].tolist()
         segments = self.pairs.segments[first:end]
@@ -213,7 +214,7 @@ class _Merge:
         return candidates
 
     def _is_beside(self, number: int, pair: int) -> bool:
-        """Whether the node runs along the chain rather than leaves it at their common end."""
+        """Whether a node runs along a chain rather than leaving it at their common end."""
         chain = int(self.found.of_edge[self.pairs.segments[pair]])
         node = self.graph.points[self.pairs.nodes[pair]].tolist()
         distance = float(self.pairs.distances[pair])
@@ -229,7 +230,7 @@ class _Merge:
         candidates: dict[int, dict[int, int]],
         beside: dict[int, list[int]],
     ) -> None:
-        """From a common end on, all nodes up to the last one that runs along are on the chain."""
+        """Put all nodes from a common end up to the last one that runs along onto the chain."""
         for chain in self._lies_on(number, path[0]):
             reached: list[tuple[int, int]] = []
             last = 0
@@ -250,13 +251,14 @@ class _Merge:
         return {chain for chain in self.found.at_end.get(node, ()) if chain < number}
 
     def _connected(self, some: set[int], others: set[int]) -> bool:
-        """Whether a chain of the first set is, or meets, one of the second."""
+        """Whether a chain of the first set is, or meets, a chain of the second."""
         ends = self.found.ends
         return any(one == other or ends[one] & ends[other] for one in some for other in others)
 
 
 def _with_feet(graph: LineGraph, merge: _Merge) -> LineGraph:
-    """Drop the edges that are gone; move the nodes that are left at a seam onto their segment."""
+    """The graph without edges that are gone, and with nodes left at a seam moved onto their
+    segment."""
     foot, gone = merge.foot, merge.gone
     needed = np.zeros(len(graph.points), dtype=bool)
     needed[graph.edges[~gone]] = True

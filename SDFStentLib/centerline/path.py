@@ -1,4 +1,4 @@
-"""A place on a centerline, a way along it, and where that had to choose a branch."""
+"""A place on a centerline, a path along it, and the branches that the path had to choose."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Rule = Literal["widest", "straightest", "nearest"]
 class JunctionChoice(NamedTuple):
     """A junction where a path downstream chose the widest, the straightest or the nearest branch.
 
-    The nearest is that of a place that lies within the junction's own sphere.
+    The nearest branch is chosen for a place that lies within the junction's own sphere.
     """
 
     point: Floats
@@ -39,7 +39,7 @@ class Location:
 
 @dataclass(frozen=True)
 class CenterlinePath:
-    """A way along a centerline, the inscribed radius (k,) at its points, and how it was chosen."""
+    """A path along a centerline, the inscribed radius (k,) at its points, and the choices made."""
 
     line: Line
     inscribed_radius: Floats
@@ -50,16 +50,16 @@ class CenterlinePath:
 
     @property
     def points(self) -> Points:
-        """(k, 3) mm."""
+        """(k, 3) points of the path, mm."""
         return self.line.points
 
     @property
     def length(self) -> float:
-        """Arc length, mm."""
+        """Arc length of the path, mm."""
         return float(self.line.arc_lengths[-1])
 
     def reversed(self) -> CenterlinePath:
-        """The same way from its end to its start."""
+        """The same path from its end to its start."""
         return replace(
             self, line=self.line.reversed(), inscribed_radius=self.inscribed_radius[::-1]
         )

@@ -14,13 +14,14 @@ NO_LOOPS: Indices = np.empty((0, 2), dtype=np.int64)
 
 
 class PointTree(NamedTuple):
-    """Points (n, 3) and inscribed radius (n,), NaN: unknown, in mm; parent (n,), -1 at the root."""
+    """Points (n, 3) and inscribed radii (n,), NaN where unknown, mm; parents (n,),
+    -1 at the root."""
 
     points: Points
     inscribed_radius: Floats
     parent: Indices
     loops: Indices = NO_LOOPS
-    """(k, 2) points between which a line goes on that a tree has to leave out."""
+    """(k, 2) points joined by a line that the tree has to leave out."""
 
 
 def as_radii(values: ArrayLike | None, count: int) -> Floats:
@@ -100,12 +101,13 @@ def sums_to_root(parent: Indices, values: Floats) -> Floats:
 
 
 def run_starts(parent: Indices) -> Indices:
-    """The points (k,), ascending, that do not come right after their parents."""
+    """The points (k,), ascending, that do not directly follow their parents."""
     return np.flatnonzero(np.r_[True, parent[1:] != np.arange(len(parent) - 1)])
 
 
 def ancestry_of(parent: Indices, index: int, starts: Indices | None = None) -> Indices:
-    """The points from the root down to `index`, both included; `run_starts` if known."""
+    """The points from the root down to `index`, both included; `starts` are
+    `run_starts` if known."""
     # Most points come right after their parents: such runs are taken as a whole.
     starts = run_starts(parent) if starts is None else starts
     runs, last = [], int(index)
@@ -118,7 +120,8 @@ def ancestry_of(parent: Indices, index: int, starts: Indices | None = None) -> I
 
 
 class NeighborTable(NamedTuple):
-    """Of point i: `points[starts[i]:starts[i + 1]]`, ascending by the child of each pair."""
+    """Neighbors of point i: `points[starts[i]:starts[i + 1]]`, ascending by the
+    child of each pair."""
 
     starts: Indices
     points: Indices
@@ -153,10 +156,10 @@ def branches_of(parent: Indices) -> tuple[Indices, ...]:
 
 
 def points_between(up: Indices, down: Indices) -> Indices | None:
-    """The points passed on the way from a place to another one, by the ancestries of both.
+    """The points passed on the way from one place to another, from the ancestries of both.
 
-    A place is on the segment from a point's parent to the point, whose ancestry counts. Places on
-    one segment have no point between; None when the two have different roots.
+    A place lies on the segment that leads to a point from its parent; the ancestry is that of the
+    point. Places on one segment have no point between; None when the roots differ.
     """
     count = min(len(up), len(down))
     differs = np.flatnonzero(up[:count] != down[:count])
@@ -173,7 +176,7 @@ def points_between(up: Indices, down: Indices) -> Indices | None:
 
 
 def mixed_radius(first: ArrayLike, second: ArrayLike, fraction: ArrayLike) -> Floats:
-    """Linear between two radii; the known one where only one is known."""
+    """Radius interpolated linearly between two; the known one where only one is known."""
     first, second, fraction = np.asarray(first), np.asarray(second), np.asarray(fraction)
     mean = (1.0 - fraction) * first + fraction * second
     return np.where(np.isnan(first), second, np.where(np.isnan(second), first, mean))
@@ -186,7 +189,7 @@ def interpolated(line: Line, radius: Floats, at: Floats) -> tuple[Points, Floats
 
 
 def resampled_tree(tree: PointTree, spacing: float) -> PointTree:
-    """Equal arc length along every branch; roots, junctions and leaves stay where they are."""
+    """The tree with equal arc length along every branch; roots, junctions and leaves stay."""
     paths = branches_of(tree.parent)
     nodes = np.unique(np.concatenate([*[path[[0, -1]] for path in paths], _roots(tree.parent)]))
     number = {int(node): i for i, node in enumerate(nodes)}

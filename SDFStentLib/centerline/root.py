@@ -1,6 +1,6 @@
-"""Where the tree of a file's lines begins: at one of its ends, whatever order the file has.
+"""The end at which the tree of a file's lines begins, whatever order the file has.
 
-Neither the order of lines and points nor the direction of pieces tells it, nor does one radius.
+Neither the order of lines and points nor the direction of pieces shows it, nor does one radius.
 """
 
 from __future__ import annotations
@@ -17,39 +17,40 @@ from .line_graph import LineGraph, reach_of
 from .lumen_tree import USUAL
 
 WIDER = 1.1
-"""Times as wide as every other end from which the widest end is the root, whatever the direction
-in which a file stores its line; less may be the way in which ends are measured."""
+"""Width of the widest end, over that of every other, from which on it is the root whatever the
+direction in which a file stores its line; a smaller factor may come from measuring."""
 
 INLET_EXTENT = 1e-2
-"""Fraction of the bounding box's diagonal within which lines begin at one inlet."""
+"""Distance, over the bounding box's diagonal, within which lines begin at one inlet."""
 
 _BEYOND = 4.0
-"""Times as far from there all of them are still in one lumen, unless lines meet there."""
+"""Multiple of that distance at which lines of one inlet are still in one lumen, unless lines meet
+there."""
 
 _FAR = 4.0
-"""Radii from an end within which it is told how wide the vessel is there, also past places where
-lines part."""
+"""Distance from an end, in radii, within which the vessel's width there is measured, also past
+places where lines part."""
 
 Widths = Callable[[Sequence[Points]], Floats]
-"""How wide a vessel is at some of its ends, mm, by the lines (k, 3) that lead inward from there;
-NaN where it is not known."""
+"""A function that gives the widths of a vessel at some of its ends, mm, from the lines (k, 3) that
+lead inward from there; NaN where a width is not known."""
 
 
-class LineEnds(NamedTuple):
+class FileLines(NamedTuple):
     """Where the lines of a file begin and end, in its order and direction."""
 
     places: Points
-    """(n, 2, 3) mm."""
+    """(n, 2, 3) first and last place of every line, mm."""
     tell_direction: bool
     """Whether the lines run on into each other from one end: one line, or all its segments."""
 
 
 def root_of(
-    graph: LineGraph, ends: LineEnds, tips: Points, inlet: ArrayLike | None, widths: Widths | None
+    graph: LineGraph, ends: FileLines, tips: Points, inlet: ArrayLike | None, widths: Widths | None
 ) -> int:
     """The node where the tree starts; the rules are in `Centerline.from_lines`.
 
-    `tips` (t, 3) are the places at which lines end and no other goes on.
+    `tips` (t, 3) are the places at which a line ends and no other goes on.
     """
     leaves = np.flatnonzero(graph.degrees() == 1)
     if not len(leaves):
@@ -67,7 +68,7 @@ def root_of(
 
 
 def ends_at(graph: LineGraph, leaves: Indices, places: Points) -> Indices:
-    """How many ends of lines (n, 3) lie at each leaf: within its radius, and nearest to it."""
+    """Number of ends of lines (n, 3) at each leaf: within its radius, and nearest to it."""
     from scipy.spatial import cKDTree
 
     distances, nearest = cKDTree(graph.points[leaves]).query(places)
@@ -75,8 +76,8 @@ def ends_at(graph: LineGraph, leaves: Indices, places: Points) -> Indices:
     return np.bincount(nearest[near], minlength=len(leaves))
 
 
-def _widest(graph: LineGraph, ends: LineEnds, nodes: Indices, widths: Widths | None) -> int:
-    """The widest end. Of those as wide that where the one line begins; else the very widest."""
+def _widest(graph: LineGraph, ends: FileLines, nodes: Indices, widths: Widths | None) -> int:
+    """The widest end; of those about as wide the one where a single line begins."""
     if len(nodes) == 1:
         return int(nodes[0])
     ways = _lumens_in(graph, nodes)
@@ -103,7 +104,7 @@ def _way_in(
     neighbors: Callable[[int], list[int]],
     first: int | None = None,
 ) -> Indices:
-    """The nodes from one to the next junction, or half of those from an end to another one."""
+    """The nodes from an end to the next junction, or to halfway where another end comes first."""
     way = [node, neighbors(node)[0] if first is None else first]
     # Ends: a way from an end comes to another one, or to a junction.
     while len(onward := neighbors(way[-1])) == 2:
@@ -116,7 +117,7 @@ def _way_in(
 
 
 def _lumens_in(graph: LineGraph, nodes: Indices) -> list[Indices]:
-    """The ways in from ends, each as far as it leads in one lumen: lines may part before that."""
+    """The ways in from ends, each as far as it stays in one lumen: lines may part before that."""
     table, reach = graph.neighbors(), reach_of(graph, 1.0, INLET_EXTENT)
     found = []
     for node in nodes.tolist():
@@ -136,17 +137,17 @@ def _lumens_in(graph: LineGraph, nodes: Indices) -> list[Indices]:
 
 
 def _leave_their_junction(graph: LineGraph, leaves: Indices) -> Flags:
-    """Which ends (n,) of the graph lie outside of the sphere of the next junction."""
+    """Whether each end (n,) of the graph lies outside of the sphere of the next junction."""
     table, reach = graph.neighbors(), reach_of(graph, 1.0, INLET_EXTENT)
     ways = [_way_in(graph, leaf, table.of) for leaf in leaves.tolist()]
     return np.array([Line(graph.points[way]).length > reach[way[-1]] for way in ways])
 
 
 def _common_ends(graph: LineGraph, places: Points, leaves: Indices) -> list[int]:
-    """The end from which lines of the file lead to the most others, if to several; or such ends.
+    """The ends from which lines of the file lead to the most others, if to several.
 
-    Lines that begin at places of one inlet may cross before they are one, so that no end of the
-    graph is left there: then all of them go on in one lumen.
+    Lines that begin at different places of one inlet may cross before they merge, so that no end of
+    the graph is left there: then all of them go on in one lumen.
     """
     reach, most = INLET_EXTENT * graph.extent(), 2
     found: list[int] = []
@@ -167,7 +168,7 @@ def _common_ends(graph: LineGraph, places: Points, leaves: Indices) -> list[int]
 
 
 def _beside_leaves(graph: LineGraph, leaves: Indices, places: Points) -> Flags:
-    """Which places (n,) are nearer to some ends of the graph than to where lines meet."""
+    """Whether each place (n,) is nearer to an end of the graph than to where lines meet."""
     if not len(leaves):
         return np.zeros(len(places), dtype=bool)
     meeting = graph.points[graph.degrees() > 2]
@@ -176,8 +177,10 @@ def _beside_leaves(graph: LineGraph, leaves: Indices, places: Points) -> Flags:
 
 
 def _clusters(places: Points, reach: float) -> Iterator[tuple[int, Points]]:
-    """Ends of lines (n, 2, 3) that lie together, and to how many other places lines lead from
-    there, the most first."""
+    """Ends of lines (n, 2, 3) that lie together, each with the number of places lines lead to.
+
+    The cluster whose lines lead to the most other places comes first.
+    """
     from scipy.spatial import cKDTree
 
     every = places.reshape(-1, 3)
@@ -191,8 +194,10 @@ def _clusters(places: Points, reach: float) -> Iterator[tuple[int, Points]]:
 
 
 def _goes_one_way(graph: LineGraph, middle: Points, reach: float, leaves: Indices) -> bool:
-    """Whether all that is connected with a place goes on from there in one lumen, and no line ends
-    beside it: lines that begin there may also be one for a moment before they part."""
+    """Whether everything connected with a place goes on in one lumen, and no line ends beside it.
+
+    Lines that begin there may also be one for a moment before they part.
+    """
     away = norm(graph.points - middle)
     apart = max(reach, float(np.nan_to_num(graph.radius[away.argmin()])))
     size = max(_BEYOND * reach, 2 * apart)

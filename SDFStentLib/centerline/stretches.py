@@ -1,8 +1,8 @@
-"""Stretches of lumen between the places where lumens part, whatever lines run through them.
+"""Stretches of lumen between the places where lumens part, whichever lines run through them.
 
 Lines of a file may part long before their vessels do: then several run through one lumen. So the
-longest line from a root comes first, and of every further one only what lies beyond those of its
-spheres that are where spheres of lines before it are.
+longest line from a root comes first, and every further line counts only from where its spheres
+leave those of the lines before it.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from ..validation import Floats, Indices, Points
 from .branch_lumen import BranchLumen
 
 SAME_LUMEN = 0.5
-"""Radii of a sphere from its center, across its vessel, within which a sphere of the same lumen has
-its own: those of two vessels draw apart where one lumen becomes two."""
+"""Distance between the centers of two spheres, across the vessel and in radii, up to which they are
+of the same lumen: centers in two vessels draw apart where one lumen becomes two."""
 
 UNKNOWN_EXTENT = 1e-2
-"""Fraction of the bounding box's diagonal within which lines are in one lumen if nothing tells how
-wide it is."""
+"""Radius, over the bounding box's diagonal, that stands for that of a lumen of unknown width."""
 
 _BESIDE = 0.6
-"""Distances of stations along a lumen within which one of another line lies beside one of it."""
+"""Distance along a lumen, in spacings of its stations, within which a station of another line lies
+beside one of its own."""
 
 _DRIFT = 0.15
-"""Share of the way from where two lines parted by which one may be longer than the other: in bends,
-and where it wanders from side to side."""
+"""Share of the way since two lines parted by which one may be longer than the other: in bends, and
+where it wanders from side to side."""
 
 _AT_ONCE = 16
-"""Stations of a line that are looked at together: most lines part within a few."""
+"""Number of stations of a line that are looked at together: most lines part within a few."""
 
 
 class Stretch(NamedTuple):
@@ -42,33 +42,33 @@ class Stretch(NamedTuple):
     """
 
     points: Points
-    """(n, 3) on the centerline, mm."""
+    """(n, 3) stations on the centerline, mm."""
     along: Floats
-    """(n,) arc length from the root, mm; of lines in one lumen that of the first counts."""
+    """(n,) arc length from the root, mm; that along the first of the lines in one lumen."""
     diameter: Floats
-    """(n,) inscribed, mm; NaN where it is not known."""
+    """(n,) inscribed diameter, mm; NaN where it is not known."""
     branch: Indices
     """(n,) index into `Centerline.branches`."""
     branch_along: Floats
     """(n,) arc length from the start of that branch, mm."""
     above: int
-    """The stretch at whose end it begins; -1 at a root."""
+    """Number of the stretch at whose end it begins; -1 at a root."""
 
 
 class JoinedLumens(NamedTuple):
-    """The stretches of a tree, and which of them every station of its branches lies in."""
+    """The stretches of a tree, and the stretch in which every station of its branches lies."""
 
     stretches: list[Stretch]
-    """Every one after the one above it."""
+    """The stretches, each after the one above it."""
     of_station: list[Indices]
-    """(n,) per branch, index into the stretches."""
+    """For every branch (n,) indices into the stretches."""
 
 
 def joined_lumens(lumens: Sequence[BranchLumen]) -> JoinedLumens:
-    """The lumens of branches, of which those that are one are told once."""
+    """The stretches of lumen of some branches; each lumen counts once."""
     firsts = np.cumsum([0, *(len(lumen.along) for lumen in lumens)]).tolist()
     joined = _Joined(lumens)
-    # By node of the centerline the station there of a line that has been added.
+    # The station, at every node of the centerline, of a line that has been added.
     at_node: dict[int, int] = {}
     for chain in _chains(lumens):
         start = at_node.setdefault(lumens[chain[0]].nodes[0], firsts[chain[0]])
@@ -85,7 +85,7 @@ def joined_lumens(lumens: Sequence[BranchLumen]) -> JoinedLumens:
 
 
 def _chains(lumens: Sequence[BranchLumen]) -> Iterator[list[int]]:
-    """Branches from a root or a fork to an end, longest ways first; each branch once."""
+    """Branches from a root or a fork to an end, the longest way first; each branch once."""
     ending = {lumen.nodes[1]: number for number, lumen in enumerate(lumens)}
     starting = {lumen.nodes[0] for lumen in lumens}
     leaves = [number for number, lumen in enumerate(lumens) if lumen.nodes[1] not in starting]
@@ -101,7 +101,7 @@ def _chains(lumens: Sequence[BranchLumen]) -> Iterator[list[int]]:
 
 
 class _Joined:
-    """Stations of lines that have been added; those in the lumen of lines before stand for none."""
+    """Stations of the lines added so far; stations in the lumen of earlier lines map to theirs."""
 
     def __init__(self, lumens: Sequence[BranchLumen]) -> None:
         self._columns = (
@@ -111,7 +111,7 @@ class _Joined:
             np.concatenate([np.full(len(lumen.along), lumen.branch) for lumen in lumens]),
             np.concatenate([lumen.along for lumen in lumens]),
         )
-        # Of lines in one lumen the arc length along the first counts.
+        # Arc length along the first of the lines in one lumen.
         self._along = self._columns[1].copy()
         self._centers = np.concatenate([lumen.centers for lumen in lumens])
         self._ways = np.concatenate([lumen.line.directions for lumen in lumens])
@@ -126,11 +126,11 @@ class _Joined:
         self._is_kept = np.zeros(count, dtype=bool)
         self._stands = np.arange(count)
         self._above = np.full(count, -1)
-        # Of the first station that a line has for itself: that of the line before it.
+        # For the first station that a line has for itself: the one before it on that line.
         self._before = np.full(count, -1)
 
     def add(self, line: Sequence[int]) -> None:
-        """A line from a root, or from a station of a line before, to an end."""
+        """Add a line from a root, or from a station of an earlier line, to an end."""
         first = 0
         if self._is_kept[self._stands[line[0]]]:
             first = self._leave(line)
@@ -143,7 +143,7 @@ class _Joined:
             self._along[own] += self._along[self._stands[before]] - self._along[before]
 
     def _leave(self, line: Sequence[int]) -> int:
-        """Number of stations with which a line runs in the lumen of lines before."""
+        """Number of stations for which a line runs in the lumen of earlier lines."""
         kept = np.flatnonzero(self._is_kept & self._is_known)
         if not len(kept):
             return 1
@@ -161,12 +161,12 @@ class _Joined:
                     self._stands[line[last + 1 : number + 1]] = same[number - begin]
                     last = number
                 elif along[one] - along[line[last]] > self._radii[one]:
-                    # Where nothing is known, as at an inlet, the line may still be in that lumen.
+                    # Where no width is known, as at an inlet, the line may still be in that lumen.
                     return last + 1
         return last + 1
 
     def _in_lumens(self, some: Indices, kept: Indices) -> Indices:
-        """Which of the kept stations is in the same lumen as each (k,) of some; -1 for none."""
+        """The kept station in whose lumen each (k,) of some stations lies; -1 for none."""
         # Column by column: NumPy takes several times longer over rows of three.
         x, y, z = (column[some][:, None] - column[kept] for column in self._centers.T)
         found = kept[(x * x + y * y + z * z).argmin(axis=1)]
@@ -178,8 +178,8 @@ class _Joined:
         return np.where(is_same, found, -1)
 
     def stretches(self) -> tuple[list[Stretch], Indices]:
-        """The stretches between the stations at which more than one line goes on, and of every
-        station (n,) the one that it lies in."""
+        """The stretches between stations at which several lines go on, and that of every station
+        (n,)."""
         below: dict[int, list[int]] = {}
         for station in np.flatnonzero(self._is_kept).tolist():
             below.setdefault(int(self._above[station]), []).append(station)
@@ -204,6 +204,6 @@ class _Joined:
         return Stretch(points, along, diameter, branch, branch_along, above)
 
     def _first_of(self, station: int) -> int:
-        """What comes before the first station of a stretch on its own line."""
+        """The station before the first one of a stretch, on its own line."""
         before = int(self._before[station])
         return before if before >= 0 else int(self._above[station])

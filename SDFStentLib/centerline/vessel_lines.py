@@ -1,4 +1,4 @@
-"""Which line of a tree a stent follows from a place: that of the vessel in which the place lies.
+"""The line of a tree that a stent follows from a place: that of the vessel in which it lies.
 
 Lines of a file may part long before their vessels do. Which of several lines in one lumen is the
 nearest to a place says nothing: what counts is the lumen, and in which one it goes on.
@@ -18,7 +18,7 @@ from .path import JunctionChoice, Rule
 from .stretches import joined_lumens
 
 AS_WIDE = 1 + 1e-6
-"""Times as wide as another from which on a lumen is wider."""
+"""Ratio of two widths from which on one lumen counts as wider."""
 
 
 class LumenPlace(NamedTuple):
@@ -26,7 +26,7 @@ class LumenPlace(NamedTuple):
 
     stretch: int
     arc_length: float
-    """From the root, mm."""
+    """Arc length from the root, mm."""
 
 
 class VesselLines:
@@ -35,7 +35,7 @@ class VesselLines:
     Parameters
     ----------
     lumens : sequence of BranchLumen
-        Of its branches, in their order; at least one.
+        Lumens of the tree's branches, in their order; at least one.
     """
 
     def __init__(self, lumens: Sequence[BranchLumen]) -> None:
@@ -52,25 +52,25 @@ class VesselLines:
         ]
 
     def stretch_at(self, branch: int, along: float) -> int:
-        """The stretch of lumen at a place: so many mm along a branch, by its index."""
+        """The stretch of lumen at a place, given by a branch and a distance along it, mm."""
         stations = self._lumens[branch].along
         at = round(along / stations[1])
         return int(self._of_station[branch][min(at, len(stations) - 1)])
 
     def end_of(self, stretch: int) -> int:
-        """The point of the tree to which the vessel leads that a stretch goes on in."""
+        """The point of the tree to which the vessel of a stretch leads."""
         *_, last = self._from(stretch)
         return self._lumens[int(self._tree.lumens[last].branch[-1])].nodes[1]
 
     def is_above(self, one: int, other: int) -> bool:
-        """Whether a stretch leads to another one, or is the same."""
+        """Whether a stretch leads to another one, or is that one."""
         # Ends: at a root at the latest, whose number is the lowest on the way.
         while other > one:
             other = self._tree.lumens[other].above
         return other == one
 
     def choices(self, place: LumenPlace, last: float) -> Iterator[JunctionChoice]:
-        """How the way was chosen from a place down to an arc length, mm."""
+        """The choices made on the way from a place down to an arc length, mm."""
         first = self._tree.lumens[place.stretch]
         if first.above >= 0:
             above = self._tree.lumens[first.above]
@@ -82,10 +82,10 @@ class VesselLines:
                 yield JunctionChoice(read_only(lumen.points[-1]), onward[1])
 
     def _chosen(self, number: int) -> tuple[int, Rule]:
-        """The child in which a stretch goes on, and the rule by which.
+        """The child in which a stretch goes on, and the rule that chose it.
 
-        The widest with what it leads to; of those alike the one that begins widest; of those that
-        nothing tells apart, as where no radius is known, the straightest.
+        It is the widest, counting all that it leads to; of several alike the one that begins
+        widest; and the straightest where nothing distinguishes them, as without known radii.
         """
         alike = self._tree.alike(number)
         begins = [self._width_beyond(number, child) for child in alike]
@@ -94,9 +94,9 @@ class VesselLines:
         return alike[int(np.argmax(begins))], "widest"
 
     def _width_beyond(self, above: int, child: int) -> float:
-        """Mean diameter from one to three radii of a division beyond it, mm; 0 where none is known.
+        """Mean diameter of a child from one to three radii beyond a division, mm; 0 where unknown.
 
-        Nearer, the branches still share one sphere. A shorter one counts with its last station.
+        Nearer to it, branches still share one sphere. A shorter child counts by its last station.
         """
         lumen = self._tree.lumens[child]
         if np.isnan(lumen.diameter).all():

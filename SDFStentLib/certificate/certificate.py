@@ -20,46 +20,46 @@ from .comparison import Comparison, Verdict
 from .face_quality import Slivers
 from .fitness import Fitness, fitness_after
 from .promises import LumenCheck, MotionCheck, lumen_in_words
-from .spots import Spot, faults_in_words
+from .spots import FaultSpot, faults_in_words
 
 AS_FLOAT32 = Precision(np.float32)
-"""What most files hold."""
+"""The precision of most files."""
 
 CERTIFIED = "certified for meshing"
 CERTIFIED_OPEN = "certified for meshing once its openings are closed"
 CERTIFIED_IN_PIECES = "certified for meshing once its points are merged"
 NOT_READY = "no worse than before, not ready for a mesher"
 NOT_CERTIFIED = "not certified for meshing"
-"""What a surface is called wherever its certificate is told: it says nothing of the treatment."""
+"""Words for a surface wherever its certificate is reported; they say nothing of the treatment."""
 
 
 def said_of(word: str) -> str:
-    """How the sentence of a certificate begins whose word it is."""
+    """The beginning of a certificate's sentence, from its word."""
     return f"Surface {word}"
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """What `certify` found.
+    """The findings of `certify`.
 
     Attributes
     ----------
     fitness : Fitness
-        What the result is, whoever made it so; the topology a deployment cannot change.
+        Fitness of the result, whoever made it so; a deployment cannot change its topology.
     moved_points : int
         Number of points whose stored coordinates changed.
     self_intersecting_before, self_intersecting_after, new_self_intersecting
-        Ascending indices of triangles that intersect another where one of the two moved; new are
-        those that did not do so before.
+        Ascending indices of triangles that intersect another one where one of the two moved; new
+        are those that did not before.
     new_inverted, new_degenerate
-        Triangles turned over, or without height, that were not before.
+        Triangles turned over, or without height, that were not so before.
     new_slivers : Slivers
-        Others that became much worse than they were, which is no fault.
-    places : tuple of Spot
-        Where new faults gather, most triangles first.
+        Other triangles that became much worse than they were, which is no fault.
+    places : tuple of FaultSpot
+        Places at which new faults gather, most triangles first.
     motion, lumen : tuples of MotionCheck and LumenCheck
-        For every stent; empty where surfaces were compared without one, and the latter where the
-        settings promise no lumen: without `finish` or `facet_compensation`, as published.
+        One for every stent. Both are empty where surfaces were compared without one; `lumen` is
+        also empty where the settings promise none, without `finish` or `facet_compensation`.
     """
 
     fitness: Fitness
@@ -70,23 +70,24 @@ class Certificate:
     new_inverted: Indices
     new_degenerate: Indices
     new_slivers: Slivers
-    places: tuple[Spot, ...]
+    places: tuple[FaultSpot, ...]
     motion: tuple[MotionCheck, ...] = ()
     lumen: tuple[LumenCheck, ...] = ()
 
     @property
     def passed(self) -> bool:
-        """Certified: no new fault of any kind, nor one that the input had; it may be open."""
+        """Whether it is certified: no new fault of any kind, nor one of the input;
+        it may be open."""
         return self.is_no_worse and self.fitness.is_fit
 
     @property
     def is_no_worse(self) -> bool:
-        """No new fault of any kind; a faulty input may have left its own."""
+        """Whether there is no new fault of any kind; a faulty input may have left its own."""
         return not self.places and all(check.passed for check in self._checks)
 
     @property
     def word(self) -> str:
-        """What the surface is called: one of those above."""
+        """The word for the surface: one of those above."""
         if not self.is_no_worse:
             return NOT_CERTIFIED
         if not self.passed:
@@ -97,23 +98,23 @@ class Certificate:
 
     @property
     def topology(self) -> Topology:
-        """That of the input."""
+        """The topology, which is that of the input."""
         return self.fitness.topology
 
     @property
     def is_watertight(self) -> bool:
-        """Closed and manifold, and no points have to be merged for that."""
+        """Whether it is closed and manifold without merging any points first."""
         return self.topology.is_watertight and not self.topology.unshared_points
 
     @property
     def is_manifold(self) -> bool:
-        """At most two faces at every edge, one fan at every vertex."""
+        """Whether it has at most two faces at every edge and one fan at every vertex."""
         return self.topology.is_manifold
 
     def sentence(self, units: str = "mm") -> str:
         """The finding in one sentence for the person who will use the surface.
 
-        Places are told in mm and in the unit of its file.
+        Places are given in mm and in the unit of its file.
         """
         if not self.is_no_worse:
             faults = [*self._faults(units), *self.fitness.lasting_in_words()]
@@ -129,7 +130,7 @@ class Certificate:
         )
 
     def cautions(self) -> tuple[Caution, ...]:
-        """What is no fault, but has to be known before meshing."""
+        """Cautions about what is no fault but has to be known before meshing."""
         return self.new_slivers.cautions()
 
     @property
@@ -137,7 +138,7 @@ class Certificate:
         return (*self.lumen, *self.motion)
 
     def _faults(self, units: str) -> list[str]:
-        """What is wrong, each with a number and a place."""
+        """The faults in words, each with a number and a place."""
         faults = [check.fault(units) for check in self._checks if not check.passed]
         if not self.places:
             return faults
@@ -151,7 +152,7 @@ class Certificate:
         return [triangles, *faults]
 
     def as_dict(self, units: str = "mm") -> dict[str, Any]:
-        """The `certificate` part of a report; what is known to the writer only is added there."""
+        """The `certificate` part of a report; the writer adds what only it knows."""
         return {
             "passed": self.passed,
             "word": self.word,
@@ -192,19 +193,19 @@ def certify(
     Parameters
     ----------
     before : Surface
-        The input, of which all that is `whole` is looked at.
+        The input; its `whole` surface is looked at.
     after : Surface, or array_like of shape (n, 3)
-        The result: with the same triangles, or its points, mm.
+        The result: a surface with the same triangles, or its points, mm.
     moved : array_like, optional
         Indices, or a mask (n,), of the points that may have moved; found by comparison when left
         out. Those whose stored coordinates are unchanged are dropped.
     precision : Precision
-        Type and unit of the stored coordinates; the judgement is on these.
+        Type and unit of the stored coordinates; these are judged.
 
     Raises
     ------
     InputError
-        No surface, a result that is not one of it, or coordinates too large for the type.
+        No surface, a result with other triangles or points, or coordinates too large for the type.
     """
     after = state_of(as_surface(before, "before"), after)
     whole = before.whole
@@ -223,7 +224,7 @@ def certificate_of(
     motion: tuple[MotionCheck, ...] = (),
     lumen: tuple[LumenCheck, ...] = (),
 ) -> Certificate:
-    """The certificate of a result that was compared with its input, a surface."""
+    """The certificate of a result from its comparison with the input surface."""
     given = surface.given_numbers
     return Certificate(
         fitness=fitness,

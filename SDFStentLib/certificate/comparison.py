@@ -1,4 +1,4 @@
-"""The faults that a surface has after its points moved and had not before."""
+"""The faults that a surface has after its points moved but did not have before."""
 
 from __future__ import annotations
 
@@ -12,31 +12,32 @@ from ..geometry import Precision, faces_at
 from ..validation import Indices, Points, Triangles
 from .face_quality import Slivers, degenerate_triangles, inverted_triangles, slivers_among
 from .intersections import intersecting_pairs, self_intersecting_triangles
-from .spots import Spot, spots_of
+from .spots import FaultSpot, spots_of
 
 Judge = Callable[[Points, Triangles, Indices], Indices]
-"""Which of some faces of a surface have a fault of one kind."""
+"""A function that picks, of some faces of a surface, those with a fault of one kind."""
 
 
 class Verdict(NamedTuple):
-    """What a comparison found; from it that of a result which differs little follows quickly.
+    """The findings of a comparison; those of a result that differs little follow quickly from them.
 
     Attributes
     ----------
     stored : (n, 3) array
-        The result as stored.
+        Points of the result as stored.
     has_moved : (n,) bool array
-        Points whose stored coordinates changed since the input.
+        Whether the stored coordinates of a point differ from the input.
     pairs, pairs_before : (k, 2) arrays
-        Faces that intersect in the result, one of which moved; pairs of the input round
-        `searched`.
+        Faces that intersect in the result, one of which moved; pairs of the input that hold a face
+        of `searched`.
     searched : (m,) bool array
-        Faces round which the input was searched for intersections.
+        Whether a face of the input was searched for intersections.
     inverted, degenerate : arrays
-        Moved faces that are turned over or without height, new or not.
+        Moved faces that are turned over or without height, whether new or not.
     new_self_intersecting, new_inverted, new_degenerate : arrays
-        Faces that fail and did not in the input, ascending.
-    places : tuple of Spot
+        Faces that fail but did not in the input, ascending.
+    places : tuple of FaultSpot
+        Places at which new faults gather, most faces first.
     """
 
     stored: Points
@@ -49,26 +50,26 @@ class Verdict(NamedTuple):
     new_self_intersecting: Indices
     new_inverted: Indices
     new_degenerate: Indices
-    places: tuple[Spot, ...]
+    places: tuple[FaultSpot, ...]
 
     @property
     def passed(self) -> bool:
-        """No new fault of any kind."""
+        """Whether there is no new fault of any kind."""
         return not self.places
 
     @property
     def failing(self) -> Indices:
-        """All faces with a new fault, ascending."""
+        """The faces with any new fault, ascending."""
         return united(self.new_self_intersecting, self.new_inverted, self.new_degenerate)
 
 
 def united(*kinds: Indices) -> Indices:
-    """Faces with a fault of any kind, each once, ascending."""
+    """Faces of several kinds, each once, ascending."""
     return np.unique(np.concatenate(kinds))
 
 
 class Comparison:
-    """Compares results with the surface that they came from, in the stored numbers.
+    """Compares results with the surface from which they came, in the stored numbers.
 
     Parameters
     ----------
@@ -90,8 +91,8 @@ class Comparison:
     ) -> Verdict:
         """Judge a result, given the verdict on an earlier one.
 
-        Only faces with a corner elsewhere than in the earlier result are looked at, and those
-        that they meet; all others keep their verdict. So the outcome does not depend on it.
+        Only faces with a corner elsewhere than in the earlier result, and those that they meet, are
+        judged anew; all others keep their verdict. So the outcome does not depend on `earlier`.
         """
         triangles, known = self.triangles, earlier or self._nothing_moved()
         stored = self._precision.stored(after)
@@ -125,10 +126,10 @@ class Comparison:
         )  # fmt: skip
 
     def new_faults(self, after: Points, among: Indices) -> Indices:
-        """Faces that intersect, are turned over or without height in a result and were not before.
+        """Faces that intersect, are turned over or have no height in a result, but did not before.
 
-        Only those given are looked at, those that they meet, and for being turned over those at
-        their corners as well, because neighbors turn a face over too. The input is looked at only
+        Only the given faces and those that they meet are judged; for being turned over also those
+        at their corners, because neighbors can turn a face over, too. The input is judged only
         where something is wrong now.
         """
         triangles, stored = self.triangles, self._precision.stored(after)
@@ -143,14 +144,14 @@ class Comparison:
         )
 
     def new_slivers(self, verdict: Verdict) -> Slivers:
-        """Moved faces of a judged result that became slivers and still have some height."""
+        """Moved faces of a judged result that became slivers but still have some height."""
         moved = np.flatnonzero(faces_at(verdict.has_moved, self.triangles))
         among = np.setdiff1d(moved, verdict.degenerate)
         scale = self._precision.scale
         return slivers_among(verdict.stored / scale, self.triangles, among, self._before / scale)
 
     def _anew(self, faulty: Judge, now: Indices) -> Indices:
-        """Those of some faces that were not faulty in the input."""
+        """The faces that are faulty now and were not in the input."""
         return np.setdiff1d(now, faulty(self._before, self.triangles, now))
 
     def _nothing_moved(self) -> Verdict:
@@ -163,7 +164,7 @@ class Comparison:
         )
 
     def _of_input(self, pairs: Indices, known: Verdict) -> tuple[NDArray[np.bool_], Indices]:
-        """Faces round which the input is searched, and its pairs there."""
+        """Whether each face of the input is searched, and the intersecting pairs found there."""
         searched = np.zeros(len(self.triangles), dtype=bool)
         searched[pairs] = True
         kept = known.pairs_before[_any_of(known.pairs_before, searched)]
@@ -181,5 +182,5 @@ def _any_of(pairs: Indices, marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _sorted(one: Indices, other: Indices) -> Indices:
-    """Pairs of both, each once, in ascending order."""
+    """The pairs of both arrays, each once, in ascending order."""
     return np.unique(np.concatenate([one, other]), axis=0)

@@ -12,14 +12,14 @@ from ..geometry import NO_HEIGHT, compacted, dot, face_normals, faces_at, paired
 from ..validation import Flags, Floats, Indices, Place, Points, Triangles, as_place, read_only
 
 _ROUNDING = 8 * 2.0**-53
-"""Relative rounding of a cross product: below it two sides cannot be told from parallel ones."""
+"""Relative rounding of a cross product, below which two sides cannot be told from parallel ones."""
 
 SLIVER_DEG = 1.0
-"""Smallest angle of a triangle below which it is a sliver: its longest edge is at least 57 times
-its height. MeshLab takes 40 times for a defect (its filter "Remove T-Vertices")."""
+"""Smallest angle, degrees, below which a triangle is a sliver: its longest edge is at least 57
+times its height. MeshLab calls 40 times a defect (its filter "Remove T-Vertices")."""
 
 OPPOSED = -0.2
-"""Mean cosine to the faces around below which a face is turned over.
+"""Mean cosine with the normals of the faces around, below which a face is turned over.
 
 One face upside down in a flat wall has (3 - 15) / 18 = -0.67. Faces in pleats of tissue beside a
 stent, which intersect nothing, came out just below 0 on the pulmonary artery.
@@ -27,17 +27,18 @@ stent, which intersect nothing, came out just below 0 on the pulmonary artery.
 
 
 DOUBTFUL = 0.3
-"""The same above which none lies upside down. Two of a flat cap, which a stent pushed out over its
-rim, had -0.07: they oppose the cap, and the wall at their other corners is square to both."""
+"""The same mean cosine, above which no face lies upside down. Two faces of a flat cap that a stent
+pushed out over its rim had -0.07: they oppose the cap, and the wall at their other corners is at
+right angles to both."""
 
 
 def degenerate_triangles(
     points: Points, triangles: Triangles, among: Indices | None = None
 ) -> Indices:
-    """Triangles without height: a corner named twice, or corners in a line but for `NO_HEIGHT`.
+    """Triangles without height: a corner named twice, or corners in a line within `NO_HEIGHT`.
 
-    Or but for the rounding of the coordinates: two corners at one place, or a corner on the
-    opposite side, differ by the last bit of what they were computed from.
+    The rounding of the coordinates counts as well: two corners at one place, or a corner on the
+    opposite side, differ by the last bit of the numbers from which they were computed.
     """
     judged = np.arange(len(triangles)) if among is None else among
     corners = triangles.take(judged, axis=0)
@@ -49,7 +50,7 @@ def degenerate_triangles(
 def smallest_angles(points: Points, triangles: Triangles) -> Floats:
     """Smallest angle (m,) of every triangle, degrees; 0 for one without area."""
     lengths, areas = _sides_and_areas(points, triangles)
-    # It lies between the two longer sides.
+    # The smallest angle lies between the two longer sides.
     between = lengths[1] * lengths[2]
     sine = np.divide(areas, between, out=np.zeros(len(areas)), where=between > 0)
     return np.asarray(np.rad2deg(np.arcsin(np.minimum(sine, 1.0))))
@@ -58,15 +59,15 @@ def smallest_angles(points: Points, triangles: Triangles) -> Floats:
 def inverted_triangles(
     points: Points, triangles: Triangles, among: Indices | None = None
 ) -> Indices:
-    """Triangles turned over against their neighbourhood, ascending.
+    """Triangles turned over against their neighborhood, ascending.
 
     A face counts as turned over when its normal opposes the unit normals of the faces at its three
-    corners by a mean cosine below `OPPOSED`, itself included; a neighbour across an edge so counts
+    corners by a mean cosine below `OPPOSED`, itself included; thus a neighbor across an edge counts
     twice, one at a corner once. This finds one face, or a few side by side, that lie upside down in
     a smooth wall. It leaves alone a face on a sharp ridge or in a pleat, where about as many
-    neighbours agree with it as oppose it, and the corners of a box, unless it is folded flat onto a
-    neighbour: nothing can be meshed between, and whether they intersect is left to the last bits of
-    their coordinates. Faces without area have no normal and do not count either way.
+    neighbors agree with it as oppose it, and the corners of a box, unless it is folded flat onto a
+    neighbor: nothing can be meshed between these, and the last bits of their coordinates decide
+    whether they intersect. Faces without area have no normal and do not count either way.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def inverted_triangles(
     first, second, third = local.T
 
     def around(values: NDArray[Any]) -> NDArray[np.float64]:
-        """Sum over the faces at the three corners."""
+        """Sum of the values of the faces at the three corners of each face."""
         at_corner = np.bincount(local.ravel(), np.repeat(values, 3), minlength=len(used))
         return at_corner[first] + at_corner[second] + at_corner[third]
 
@@ -103,7 +104,7 @@ def inverted_triangles(
 
 
 def _folded_flat(points: Points, triangles: Triangles, doubtful: Flags) -> Indices:
-    """Those of some faces (m,) that lie on one beyond a side of theirs, but for `NO_HEIGHT`."""
+    """Those of the doubtful faces (m,) that lie on a neighbor beyond a side, within `NO_HEIGHT`."""
     if not doubtful.any():
         return np.empty(0, dtype=np.int64)
     at_doubtful = np.zeros(len(points), dtype=bool)
@@ -141,16 +142,17 @@ MUCH_WORSE = 0.5
 
 
 class Slivers(NamedTuple):
-    """Slivers of a surface.
+    """The slivers of a surface.
 
     Attributes
     ----------
     triangles : (k,) array
-        Ascending.
+        Numbers of the slivers, ascending.
     angle, before : float
-        Smallest angle of the worst, and that of the same triangle before, degrees; NaN for none.
+        Smallest angle of the worst one, and that of the same triangle before, degrees; NaN for
+        none.
     at : (x, y, z), optional
-        Where the worst is, mm.
+        Middle of the worst one, mm.
     """
 
     triangles: Indices
@@ -159,7 +161,7 @@ class Slivers(NamedTuple):
     at: Place | None = None
 
     def cautions(self) -> tuple[Caution, ...]:
-        """For the person who will mesh the surface; none without slivers."""
+        """A caution for the person who will mesh the surface; none without slivers."""
         if not len(self.triangles):
             return ()
         numbers = {"triangles": len(self.triangles), "angle_deg": self.angle}
@@ -168,7 +170,7 @@ class Slivers(NamedTuple):
         return (Caution("new-slivers", {**numbers, "before_deg": self.before}, self.at),)
 
     def as_dict(self) -> dict[str, Any]:
-        """As it stands in a report."""
+        """The slivers as a part of a report."""
         found = bool(len(self.triangles))
         return {
             "triangle_ids": self.triangles.tolist(),
@@ -181,17 +183,19 @@ class Slivers(NamedTuple):
 def slivers_among(
     points: Points, triangles: Triangles, among: Indices, before: Points | None = None
 ) -> Slivers:
-    """The triangles with an angle below `SLIVER_DEG`; those that became so, where told.
+    """The triangles with an angle below `SLIVER_DEG`; only those that became so, where `before` is
+    given.
 
     Parameters
     ----------
     points : (n, 3) array
-        As stored, but in mm.
+        Points as stored, but in mm.
     triangles : (m, 3) array
     among : (k,) array
         Indices of the triangles to judge, ascending.
     before : (n, 3) array, optional
-        Where the points were: only triangles that lost `MUCH_WORSE` of their smallest angle count.
+        Places of the points before: then only triangles that lost `MUCH_WORSE` of their smallest
+        angle count.
     """
     angles = smallest_angles(points, triangles[among])
     found = angles < SLIVER_DEG

@@ -1,4 +1,4 @@
-"""Whether a surface is ready for a mesher as it is, and what of it was not so already."""
+"""Whether a surface is ready for a mesher as it is, and which of its faults it already had."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from ..validation import Indices, Points
 from .comparison import Verdict
 from .face_quality import degenerate_triangles, inverted_triangles
 from .intersections import intersecting_pairs
-from .spots import Spot, faults_in_words, spots_of, winding_in_words
+from .spots import FaultSpot, faults_in_words, spots_of, winding_in_words
 
 
 class FaceFaults(NamedTuple):
-    """Faces of a surface with which no mesher can do anything.
+    """Faces of a surface that no mesher can use.
 
     Attributes
     ----------
     pairs : (k, 2) array
         Faces that intersect.
     inverted, degenerate : arrays
-        Ascending: turned over against the faces around; without height.
+        Faces turned over against those around, and faces without height, ascending.
     """
 
     pairs: Indices
@@ -38,47 +38,49 @@ class FaceFaults(NamedTuple):
 
     @property
     def faces(self) -> Indices:
-        """All of them; one with several faults stands there as often."""
+        """All faulty faces; one with several faults stands there several times."""
         return np.concatenate([self.intersecting, self.inverted, self.degenerate])
 
 
 @dataclass(frozen=True)
 class Fitness:
-    """What a surface is, whoever made it so.
+    """The state of a surface as to meshing, whoever made it so.
 
     Attributes
     ----------
     topology : Topology
     faults : FaceFaults
-    places : tuple of Spot
-        Where faces with a fault gather, most of them first.
+    places : tuple of FaultSpot
+        Places at which faulty faces gather, most of them first.
     flipped_triangles : array
-        Ascending: those wound against their neighbors, the fewer of each part.
+        Triangles wound against their neighbors, ascending: the fewer of each part.
     is_inside_out : bool
-        Closed and consistently wound, with its faces to the inside.
+        Whether it is closed and consistently wound, but with its faces to the inside.
     """
 
     topology: Topology
     faults: FaceFaults
-    places: tuple[Spot, ...]
+    places: tuple[FaultSpot, ...]
     flipped_triangles: Indices
     is_inside_out: bool
 
     @property
     def is_fit(self) -> bool:
-        """Manifold, two-sided, wound one way, without a fault: for a mesher, once it is closed and
-        points of seams are merged."""
+        """Whether it is manifold, two-sided, wound one way and without a fault.
+
+        A mesher can use it once it is closed and points of seams are merged.
+        """
         faults = self.places or len(self.flipped_triangles)
         return self.topology.is_manifold and self.topology.is_orientable and not faults
 
     @property
     def is_sound(self) -> bool:
-        """The same, and outward where it is closed."""
+        """Whether it is fit, and outward where it is closed."""
         return self.is_fit and not self.is_inside_out
 
     @property
     def missing(self) -> list[str]:
-        """What a mesher of volumes asks for that it is not, in a word or two each."""
+        """Whatever a volume mesher requires and the surface lacks, in a few words each."""
         shape, faults = self.topology, self.faults
         found = {
             "closed": shape.is_closed,
@@ -93,21 +95,22 @@ class Fitness:
         return [name for name, is_so in found.items() if not is_so]
 
     def in_words(self, units: str = "mm") -> str:
-        """What it is and what it has, to follow "it"."""
-        told = "no self-intersection"
+        """The state of the surface and its faults, to follow "it"."""
+        text = "no self-intersection"
         if self.places:
-            told = faults_in_words(
+            text = faults_in_words(
                 self.places,
                 units,
                 (len(self.faults.intersecting), "intersecting"),
                 (len(self.faults.inverted), "turned over"),
                 (len(self.faults.degenerate), "without height"),
             )
-        told += winding_in_words(len(self.flipped_triangles), self.is_inside_out)
-        return f"is {self.topology.in_words()} and has {told}"
+        text += winding_in_words(len(self.flipped_triangles), self.is_inside_out)
+        return f"is {self.topology.in_words()} and has {text}"
 
     def lasting_in_words(self) -> list[str]:
-        """What no motion changes and keeps it from being meshed, as a sentence's last part."""
+        """Faults that no motion changes and that prevent meshing, as the last part
+        of a sentence."""
         shape, turned = self.topology, len(self.flipped_triangles)
         if shape.is_manifold and shape.is_orientable and not turned:
             return []
@@ -116,7 +119,7 @@ class Fitness:
 
 
 def fitness_of(surface: Surface, precision: Precision) -> Fitness:
-    """Of a surface as it would be stored, all that is `whole` of it."""
+    """Fitness of a surface as it would be stored, with everything that is `whole` of it."""
     surface = surface.whole
     stored = precision.stored(surface.points)
     return _fitness(surface, stored, _faults(surface, stored))
@@ -125,14 +128,14 @@ def fitness_of(surface: Surface, precision: Precision) -> Fitness:
 def fitness_after(
     before: Surface, after: Surface, verdict: Verdict, precision: Precision
 ) -> Fitness:
-    """Of a result that a comparison has judged: what did not move is known from the input.
+    """Fitness of a result that a comparison has judged: faults at rest are known from the input.
 
     Parameters
     ----------
     before, after : Surface
     verdict : Verdict
     precision : Precision
-        Of the comparison.
+        That of the comparison.
     """
     known, whole = _known_faults(before, precision), after.whole
     at_rest = ~faces_at(verdict.has_moved, whole.triangles)
@@ -145,7 +148,7 @@ def fitness_after(
 
 
 _inputs: WeakKeyDictionary[Surface, dict[Precision, FaceFaults]] = WeakKeyDictionary()
-"""A vessel into which one stent after another is put is looked through once."""
+"""Known faults of inputs: a vessel that gets one stent after another is judged once."""
 
 
 def _known_faults(surface: Surface, precision: Precision) -> FaceFaults:

@@ -2,8 +2,8 @@
 
 Two triangles intersect when they have a point in common that does not lie on a corner or a side
 which both have. So crossing, a corner or side that touches another face, coplanar overlap, a
-neighbour folded flat onto its neighbour and a doubled triangle all count, and so does a vertex
-that lies exactly on a vertex of another wall. The two banks of a seam are neighbours, not
+neighbor folded flat onto its neighbor and a doubled triangle all count, and so does a vertex
+that lies exactly on a vertex of another wall. The two banks of a seam are neighbors, not
 intersections: corners are the same, whatever their numbers, where the surface goes on across a
 seam (`Seams`). Triangles without area are left out (`certificate.py` counts them by
 themselves). The decision is exact for the coordinates as they are stored.
@@ -27,17 +27,17 @@ from .triangle_pairs import face_boxes, overlapping_pairs
 
 
 class Seams:
-    """Points that are one and the same: those of the two banks of a seam.
+    """The points of the two banks of a seam, which are one and the same.
 
     A seam is where free edges of the surface lie exactly on one another. Points at the same place
-    that no seam joins are two: there walls touch.
+    that no seam joins are different points: there walls touch.
 
     Parameters
     ----------
     points, triangles : (n, 3) and (m, 3) arrays
         The whole surface.
     near : (k,) array
-        The triangles that are looked at; their points are numbered in order from here on.
+        The triangles that are examined; from here on their points are numbered in order.
     """
 
     def __init__(self, points: Points, triangles: Triangles, near: Indices) -> None:
@@ -49,9 +49,9 @@ class Seams:
         Parameters
         ----------
         first, second : (3, k) arrays
-            The corners' numbers.
+            Numbers of the corners.
         one, other : (3, 3, k) arrays
-            Their coordinates: corner, coordinate, pair.
+            Coordinates of the corners: corner, coordinate, pair.
         """
         same = first[:, None] == second[None]
         equal = np.all(one[:, None] == other[None], axis=2)
@@ -61,20 +61,20 @@ class Seams:
 
     @cached_property
     def _joined(self) -> Indices:
-        """For every point of the near triangles a number, the same for those that are one."""
+        """A number for every point of the near triangles, the same for points that are one."""
         used = np.unique(self._triangles[self._near])
         return _joined_points(self._points, self._triangles)[used]
 
 
 def _joined_points(points: Points, triangles: Triangles) -> Indices:
-    """A number (n,) for every point; points that seams join have the same."""
+    """A number (n,) for every point, the same for points that seams join."""
     free = boundary_edges(triangles)
     free = free[free[:, 0] != free[:, 1]]
     at_rim, ends = np.unique(free, return_inverse=True)
     # Zero has two signs, which are the same place.
     place = np.unique(points[at_rim] + 0.0, axis=0, return_inverse=True)[1].ravel()
     ends = ends.reshape(-1, 2)
-    # Edges on one another: sorted by the places of their ends, they follow each other.
+    # Sorted by the places of their ends, edges that lie on one another follow each other.
     turned = place[ends[:, 0]] > place[ends[:, 1]]
     ends[turned] = ends[turned][:, ::-1]
     low, high = place[ends].T
@@ -86,7 +86,7 @@ def _joined_points(points: Points, triangles: Triangles) -> Indices:
 
 
 _BLOCK = 1 << 15
-"""Pairs decided at once: their corners fit into the cache of one core."""
+"""Number of pairs decided at once: their corners fit into the cache of one core."""
 
 _FLAT = 16 * 2.0**-53
 """Bound on the rounding of a plane triangle's area, over the square of its longest difference."""
@@ -100,10 +100,10 @@ def self_intersecting_triangles(
     Parameters
     ----------
     points, triangles : (n, 3) and (m, 3) arrays
-        Known to be sound; the numbers that are stored, as the decision is on these.
+        Known to be sound, in the numbers that are stored, on which the decision is made.
     among : array_like, optional
         Indices, or a mask (m,), of the triangles that moved: only pairs with at least one of them
-        are looked at. By default all.
+        are examined. By default all.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def _as_mask(among: ArrayLike | None, count: int) -> Flags:
 
 
 def _near(points: Points, triangles: Triangles, is_moved: Flags) -> Indices:
-    """Faces whose boxes reach into the box around all moved ones."""
+    """Faces whose boxes reach into the box around all moved faces."""
     if is_moved.all():
         return np.arange(len(triangles))
     moved = np.zeros(len(points), dtype=bool)
@@ -174,7 +174,7 @@ def _near(points: Points, triangles: Triangles, is_moved: Flags) -> Indices:
 
 
 def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
-    """Faces (b,) that cannot intersect any face they share a corner with.
+    """Whether each face (b,) cannot intersect any face with which it shares a corner.
 
     Seen along one coordinate axis, all faces round a vertex turn the same way, form one closed
     ring and go round once: then they lie side by side. A face is clear when this holds at all
@@ -206,7 +206,7 @@ def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
 
 
 def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> tuple[NDArray, NDArray]:
-    """Twice the areas (3, b) seen along each axis, and the bound on their rounding."""
+    """Twice the areas (3, b) seen along each axis, and a bound on their rounding."""
     first, second, third = (columns.take(corner, axis=1) for corner in corners)
     one, other = second - first, third - first
     areas = np.stack(
@@ -222,7 +222,7 @@ def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> tuple[NDArray
 def _by_shared_corners(
     corners: Indices, is_clear: Flags, one: Indices, other: Indices
 ) -> Iterator[tuple[int, Indices, Indices, Indices]]:
-    """Undecided pairs by their number of shared corners.
+    """The undecided pairs by their number of shared corners.
 
     Yields (number, corners of the one (3, k), corners of the other (3, k), rows), shared corners
     first.

@@ -1,4 +1,5 @@
-"""What a deployment promises of its stent, as values: how far wall moved, how wide the lumen is."""
+"""The promises of a deployment about its stent, as values: motion of the wall, width
+of the lumen."""
 
 from __future__ import annotations
 
@@ -11,33 +12,34 @@ from ..units import told_place
 from ..validation import Place
 
 NARROWER = 0.03
-"""Share of the prescribed diameter by which a lumen may be narrower and still be the prescribed.
+"""Share of the prescribed diameter by which a lumen may be narrower and still count as prescribed.
 
 Facets that were stretched across a flow divider or untangled lie inside by up to 2.2 % of it; the
 lumen of other stents is mostly within 0.3 %, on coarse meshes within 1.4 %.
 """
 
 NOTICEABLY_NARROWER = 0.015
-"""Share of the prescribed diameter by which a lumen may be narrower without a word: coarse meshes
-and facets beside the ends miss so much."""
+"""Share of the prescribed diameter by which a lumen may be narrower without being mentioned: coarse
+meshes and facets beside the ends miss that much."""
 
 WIDER = 0.05
-"""Share by which a lumen may be wider than the prescribed one and than it was."""
+"""Share by which a lumen may be wider than both the prescribed and the native one."""
 
 ROUNDING = 1e-6
-"""mm."""
+"""Rounding of a distance, mm."""
 
 
 @dataclass(frozen=True)
 class MotionCheck:
-    """How far a stent moved the wall, at the point that comes nearest to what it can do.
+    """How far a stent moved the wall, at the point that comes nearest to its bound or exceeds it
+    most.
 
     Attributes
     ----------
     distance, bound : float
         How far that point moved and how far the method can move it, mm.
     point : (x, y, z)
-        Where it was, mm.
+        Place of that point before, mm.
     """
 
     distance: float
@@ -46,11 +48,11 @@ class MotionCheck:
 
     @property
     def passed(self) -> bool:
-        """No point moved farther than the method can move it."""
+        """Whether no point moved farther than the method can move it."""
         return self.distance <= self.bound + ROUNDING
 
     def fault(self, units: str = "mm") -> str:
-        """What is wrong and where, as a part of a sentence; `units` of the file."""
+        """The fault and its place as a part of a sentence; `units` are those of the file."""
         return (
             f"a point that moved {self.distance:.1f} mm, "
             f"{self.distance - self.bound:.3g} mm farther than the method moves it, "
@@ -58,7 +60,7 @@ class MotionCheck:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """As it stands in a report."""
+        """The check as a part of a report."""
         return {
             "passed": self.passed,
             "distance_mm": self.distance,
@@ -69,14 +71,14 @@ class MotionCheck:
 
 @dataclass(frozen=True)
 class WallCheck:
-    """The wall along a stent, where it lies deepest inside of the stent.
+    """The wall along a stent at the place where it lies deepest inside of the stent.
 
     Attributes
     ----------
     prescribed : float
         Radius of the stent there, mm.
     depth : float
-        The shortest way out of the stent, mm; 0 where none lies clearly inside.
+        Shortest way from there out of the stent, mm; 0 where no wall lies clearly inside.
     at : (x, y, z)
         Place of the wall, mm.
     """
@@ -87,18 +89,18 @@ class WallCheck:
 
     @property
     def passed(self) -> bool:
-        """Not inside by more than `NARROWER`."""
+        """Whether the wall is not inside by more than `NARROWER`."""
         return self.depth <= NARROWER * self.prescribed
 
     def fault(self, units: str = "mm") -> str:
-        """What is wrong and where, as a part of a sentence; `units` of the file."""
+        """The fault and its place as a part of a sentence; `units` are those of the file."""
         return (
             f"wall {self.depth:.2f} mm inside of the stent, whose radius is "
             f"{self.prescribed:.2f} mm there, near {told_place(self.at, units)}"
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """As it stands in a report."""
+        """The check as a part of a report."""
         return {
             "prescribed_radius_mm": self.prescribed,
             "inside_mm": self.depth,
@@ -108,22 +110,22 @@ class WallCheck:
 
 @dataclass(frozen=True)
 class LumenCheck:
-    """How wide the lumen is along a stent.
+    """The width of the lumen along a stent.
 
     Attributes
     ----------
     prescribed : float
-        Diameter where it is narrowest against what is prescribed there, mm.
+        Prescribed diameter at the station where the lumen is narrowest relative to it, mm.
     narrowest, widest : float
         Diameter of the inscribed sphere where that misses the prescribed one most, mm; the
         prescribed one where no station misses it by more than the tolerance. 0 where the stent
         lies outside of the vessel.
     native : float
-        What was as wide before at the widest station, mm: lumen or stent.
+        Diameter that the lumen may have at the widest station, mm: the native one or the stent's.
     narrowest_at, widest_at : (x, y, z)
         Stations of the axis, mm.
     wall : WallCheck
-        Spheres do not see all of it: they are where there is room, not where the stent is.
+        Check of the wall itself, as spheres lie where there is room, not where the stent is.
     """
 
     prescribed: float
@@ -136,16 +138,16 @@ class LumenCheck:
 
     @property
     def is_narrow(self) -> bool:
-        """Narrower than prescribed by more than `NARROWER`."""
+        """Whether the lumen is narrower than prescribed by more than `NARROWER`."""
         return self.narrowest < (1 - NARROWER) * self.prescribed
 
     @property
     def shortfall(self) -> float:
-        """Share of what is prescribed that the lumen, or wall inside of the stent, misses."""
+        """Largest share of the prescribed width that the lumen lacks, or that wall inside takes."""
         return max(1 - self.narrowest / self.prescribed, self.wall.depth / self.wall.prescribed)
 
     def cautions(self) -> tuple[Caution, ...]:
-        """How much narrower than prescribed it is, and where, if by more than a little."""
+        """A caution if the lumen is narrower than prescribed by more than a little."""
         if not NOTICEABLY_NARROWER < self.shortfall < 1:
             return ()
         found, wanted, place = self._narrowest_place()
@@ -153,7 +155,7 @@ class LumenCheck:
         return (Caution("narrower", widths, place),)
 
     def in_words(self, units: str = "mm") -> str:
-        """How much narrower than prescribed it is, as a part of a sentence."""
+        """How much narrower than prescribed the lumen is, as a part of a sentence."""
         if self.shortfall <= NOTICEABLY_NARROWER:
             most = f"{100 * NOTICEABLY_NARROWER:g} %"
             return f"its lumen is nowhere more than {most} narrower than prescribed"
@@ -164,7 +166,7 @@ class LumenCheck:
         )
 
     def _narrowest_place(self) -> tuple[float, float, Place]:
-        """Diameter that is left where most is missing, the prescribed one, and where, mm."""
+        """The diameter left where most is missing, the prescribed one, and the place, mm."""
         if self.wall.depth / self.wall.prescribed < self.shortfall:
             return self.narrowest, self.prescribed, self.narrowest_at
         wall = self.wall
@@ -172,16 +174,16 @@ class LumenCheck:
 
     @property
     def is_wide(self) -> bool:
-        """Wider than prescribed and than before by more than `WIDER`."""
+        """Whether the lumen is wider than prescribed and than before by more than `WIDER`."""
         return self.widest > (1 + WIDER) * self.native
 
     @property
     def passed(self) -> bool:
-        """The prescribed lumen, wider only where it was."""
+        """Whether the lumen is the prescribed one, and wider only where it was."""
         return not (self.is_narrow or self.is_wide) and self.wall.passed
 
     def missed(self) -> tuple[float, float, Place]:
-        """Diameter that is not the prescribed one, what it should be, and where, mm."""
+        """The diameter that is not the prescribed one, the one it should be, and the place, mm."""
         if self.is_wide and not self.is_narrow:
             return self.widest, self.native, self.widest_at
         if self.is_narrow:
@@ -189,7 +191,7 @@ class LumenCheck:
         return self._narrowest_place()
 
     def fault(self, units: str = "mm") -> str:
-        """What is wrong and where, as a part of a sentence; `units` of the file."""
+        """The fault and its place as a part of a sentence; `units` are those of the file."""
         if not self.narrowest:
             return f"a stent outside of the lumen near {told_place(self.narrowest_at, units)}"
         if not (self.is_narrow or self.is_wide):
@@ -200,7 +202,7 @@ class LumenCheck:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """As it stands in a report."""
+        """The check as a part of a report."""
         return {
             "passed": self.passed,
             "prescribed_mm": self.prescribed,
@@ -215,6 +217,6 @@ class LumenCheck:
 
 
 def lumen_in_words(checks: Sequence[LumenCheck], units: str) -> str:
-    """How wide the lumen of all stents that passed is, as a part of a sentence."""
+    """The width of the lumen of several stents that passed, as a part of a sentence."""
     worst = max(checks, key=lambda check: check.shortfall)
     return f"{worst.in_words(units)}, and wider only where it was"

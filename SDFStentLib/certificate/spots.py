@@ -1,4 +1,4 @@
-"""Where faulty faces of a surface gather, and how that is said."""
+"""Where faulty faces of a surface gather, and the words for that."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..units import told_place
 from ..validation import Indices, Place, Points, Triangles, as_place
 
 
-class Spot(NamedTuple):
+class FaultSpot(NamedTuple):
     """A spot of the surface where faces fail.
 
     Attributes
@@ -30,7 +30,9 @@ class Spot(NamedTuple):
         return told_place(self.center, "mm")
 
 
-def spots_of(points: Points, triangles: Triangles, faces: Indices, pairs: Indices) -> list[Spot]:
+def spots_of(
+    points: Points, triangles: Triangles, faces: Indices, pairs: Indices
+) -> list[FaultSpot]:
     """Spots at which faces fail, most faces first.
 
     Faces belong to one spot when they share a corner or stand together in one of `pairs`.
@@ -57,12 +59,12 @@ def spots_of(points: Points, triangles: Triangles, faces: Indices, pairs: Indice
     found = []
     for number in np.unique(label):
         center = as_place(centers[label == number].mean(axis=0))
-        found.append(Spot(center, tuple(faces[label == number].tolist())))
+        found.append(FaultSpot(center, tuple(faces[label == number].tolist())))
     return sorted(found, key=lambda spot: (-len(spot.triangles), spot.triangles))
 
 
-def faults_in_words(spots: Sequence[Spot], units: str, *counted: tuple[int, str]) -> str:
-    """Counts of triangles, each with what is wrong, and where; `spots` are those of `spots_of`."""
+def faults_in_words(spots: Sequence[FaultSpot], units: str, *counted: tuple[int, str]) -> str:
+    """Counts of triangles, each with its fault, and the place; `spots` are those of `spots_of`."""
     faults = ", ".join(f"{count_in_words(count)} {words}" for count, words in counted if count)
     place = told_place(spots[0].center, units)
     if len(spots) == 1:
@@ -71,7 +73,7 @@ def faults_in_words(spots: Sequence[Spot], units: str, *counted: tuple[int, str]
 
 
 def winding_in_words(flipped: int, is_inside_out: bool) -> str:
-    """What is wrong with the winding of triangles, as the end of a sentence."""
+    """The fault in the winding of triangles, as the end of a sentence."""
     if flipped:
         verb = "is" if flipped == 1 else "are"
         return f", and {flipped} of its triangles {verb} wound against their neighbors"
@@ -79,5 +81,5 @@ def winding_in_words(flipped: int, is_inside_out: bool) -> str:
 
 
 def count_in_words(count: int) -> str:
-    """Such as "1 triangle" or "1,200 triangles"."""
+    """A number of triangles in words, such as "1 triangle" or "1,200 triangles"."""
     return f"{count:,} triangle" + ("" if count == 1 else "s")

@@ -1,4 +1,4 @@
-"""Whether one surface is sound as it is."""
+"""Whether a surface is sound as it is."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from ..geometry import Precision, Surface, Topology, as_surface
 from ..validation import Indices, read_only
 from .face_quality import Slivers, degenerate_triangles, slivers_among
 from .fitness import Fitness, fitness_of
-from .spots import Spot
+from .spots import FaultSpot
 
 
 @dataclass(frozen=True)
 class SurfaceCheck:
-    """What `check_surface` found.
+    """The findings of `check_surface`.
 
     Attributes
     ----------
     fitness : Fitness
-        Closed, manifold, consistently wound, two-sided, and faces with a fault.
+        Its topology and its faulty faces.
     slivers : Slivers
-        Others with an angle below 1 degree, which is no fault.
+        Other triangles with an angle below 1 degree, which is no fault.
     """
 
     fitness: Fitness
@@ -32,69 +32,72 @@ class SurfaceCheck:
 
     @property
     def topology(self) -> Topology:
-        """Closed, manifold, consistently wound, two-sided, boundary edges, connected parts."""
+        """The topology: closed, manifold, consistently wound, two-sided, boundary edges, parts."""
         return self.fitness.topology
 
     @property
     def is_watertight(self) -> bool:
-        """Closed and manifold, and no points have to be merged for that."""
+        """Whether it is closed and manifold without merging any points first."""
         return self.topology.is_watertight and not self.topology.unshared_points
 
     @property
     def is_manifold(self) -> bool:
-        """At most two faces at every edge, one fan at every vertex."""
+        """Whether it has at most two faces at every edge and one fan at every vertex."""
         return self.topology.is_manifold
 
     @property
     def is_outward(self) -> bool:
-        """Closed, consistently wound, and its volume is positive."""
+        """Whether it is closed, consistently wound, and its volume is positive."""
         return self.topology.is_oriented and not self.is_inside_out
 
     @property
     def is_inside_out(self) -> bool:
-        """Closed and consistently wound, with its faces to the inside."""
+        """Whether it is closed and consistently wound, but with its faces to the inside."""
         return self.fitness.is_inside_out
 
     @property
     def inverted_triangles(self) -> Indices:
-        """Ascending: turned over against the neighborhood."""
+        """Triangles turned over against their neighborhood, ascending."""
         return read_only(self.fitness.faults.inverted)
 
     @property
     def degenerate_triangles(self) -> Indices:
-        """Ascending: without height."""
+        """Triangles without height, ascending."""
         return read_only(self.fitness.faults.degenerate)
 
     @property
     def self_intersecting_triangles(self) -> Indices:
-        """Ascending: crossing, touching or covering another triangle."""
+        """Triangles that cross, touch or cover another one, ascending."""
         return read_only(self.fitness.faults.intersecting)
 
     @property
-    def places(self) -> tuple[Spot, ...]:
-        """Where triangles of these three kinds gather, most of them first."""
+    def places(self) -> tuple[FaultSpot, ...]:
+        """Places at which triangles of these three kinds gather, most of them first."""
         return self.fitness.places
 
     @property
     def flipped_triangles(self) -> Indices:
-        """Ascending: those wound against their neighbors, the fewer of each part."""
+        """Triangles wound against their neighbors, ascending: the fewer of each part."""
         return read_only(self.fitness.flipped_triangles)
 
     @property
     def passed(self) -> bool:
-        """Manifold, two-sided, outward where closed, no fault; one open or with slivers passes."""
+        """Whether it is manifold, two-sided, outward where closed, and without a fault.
+
+        A surface that is open or has slivers can pass.
+        """
         return self.fitness.is_sound
 
     def sentence(self, units: str = "mm") -> str:
-        """The finding in one sentence; places are told in the unit of the file, too."""
+        """The finding in one sentence; places are given in the unit of the file, too."""
         return f"The surface {self.fitness.in_words(units)}."
 
     def cautions(self) -> tuple[Caution, ...]:
-        """What is no fault, but has to be known before meshing."""
+        """Cautions about what is no fault but has to be known before meshing."""
         return self.slivers.cautions()
 
     def as_dict(self) -> dict[str, Any]:
-        """The finding as it stands in a report."""
+        """The finding as a part of a report."""
         return {
             "watertight": self.is_watertight,
             "manifold": self.is_manifold,
@@ -119,9 +122,9 @@ def check_surface(surface: Surface, *, precision: Precision | None = None) -> Su
     Parameters
     ----------
     surface : Surface
-        All that is `whole` of it is looked at.
+        The surface; all that is `whole` of it is examined.
     precision : Precision, optional
-        Type and unit of the stored coordinates; the check is on these. By default as they are.
+        Type and unit of the stored coordinates, which are checked. By default those of the surface.
 
     Raises
     ------

@@ -24,7 +24,7 @@ _PLANE_SIDES = ((0, 1, 2), (0, 2), (0,))
 
 
 def certain_contact(first: Floats, second: Floats, shared: int) -> tuple[Flags, Flags]:
-    """Which pairs meet for certain, and which cannot be told; all others are apart for certain.
+    """Which pairs certainly meet, and which are undecided; all others are certainly apart.
 
     To meet means to have a point in common that is not on a shared corner or side.
 
@@ -67,15 +67,15 @@ def certain_contact(first: Floats, second: Floats, shared: int) -> tuple[Flags, 
 def exact_contact(first: Floats, second: Floats, same: Flags | None = None) -> Flags:
     """Which pairs meet, in exact arithmetic.
 
-    A triangle without area meets nothing. Three shared corners: the triangles meet.
+    A triangle without area meets nothing. Triangles with three shared corners meet.
 
     Parameters
     ----------
     first, second : (3, 3, k) arrays
         Corners of the two triangles of every pair, in any order.
     same : (3, 3, k) array, optional
-        Which corner of the first is which of the second: they have the same coordinates. By
-        default all that have.
+        Which corner of the first triangle is which of the second; these have the same coordinates.
+        By default all corners with the same coordinates.
     """
     meets = np.zeros(first.shape[2], dtype=bool)
     if same is None:
@@ -99,7 +99,7 @@ def exact_contact(first: Floats, second: Floats, same: Flags | None = None) -> F
 
 
 def _is_beside_plane(one: Floats, other: Floats, shared: int, margin: Floats) -> Flags:
-    """Whether all free corners of the other lie on one side of the plane of the one."""
+    """Whether all free corners of the other triangle lie on one side of the plane of the first."""
     normal = _cross(one[1] - one[0], one[2] - one[0])
     heights = [_dot(normal, corner - one[0]) for corner in other[shared:]]
     lowest, highest = _extremes(heights)
@@ -107,9 +107,10 @@ def _is_beside_plane(one: Floats, other: Floats, shared: int, margin: Floats) ->
 
 
 def _is_beside_side(one: Floats, other: Floats, shared: int, margin: Floats) -> Flags:
-    """Whether all free corners of the other lie beyond one side of the one, seen along its normal.
+    """Whether all free corners of the other triangle lie beyond a side of the first, along its
+    normal.
 
-    The one itself lies on its own side of each, by construction.
+    The first triangle itself lies on the inner side of each, by construction.
     """
     normal = _cross(one[1] - one[0], one[2] - one[0])
     apart = np.zeros(one.shape[2], dtype=bool)
@@ -122,7 +123,7 @@ def _is_beside_side(one: Floats, other: Floats, shared: int, margin: Floats) -> 
 
 
 def _piercings(one: Floats, other: Floats, shared: int, size: Floats) -> tuple[Flags, Flags]:
-    """Pairs where a side certainly runs through the other triangle; pairs that certainly miss."""
+    """Whether a side of a pair certainly runs through the other triangle, and whether it cannot."""
     flat = _SAFETY * size**2
     has_area = np.ones(len(size), dtype=bool)
     hits, misses = ~has_area, has_area.copy()
@@ -144,7 +145,8 @@ def _piercings(one: Floats, other: Floats, shared: int, size: Floats) -> tuple[F
 
 
 def _side_volumes(start: Exact, end: Exact, triangle: Exact) -> tuple[Exact, Exact, list[Exact]]:
-    """Six-fold volumes: triangle to start, triangle to end, and start, end to every side."""
+    """Sixfold volumes: of the triangle with start and with end, and of start and end with every
+    side."""
     normal = _cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
     rays = [corner - start for corner in triangle]
     along = end - start
@@ -153,7 +155,7 @@ def _side_volumes(start: Exact, end: Exact, triangle: Exact) -> tuple[Exact, Exa
 
 
 def _sides_meet(one: Exact, other: Exact, shared: int) -> Flags:
-    """Whether a side of the one has a point in common with the other, both closed."""
+    """Whether a side of the first triangle has a point in common with the other, both closed."""
     meets = np.zeros(one.shape[2], dtype=bool)
     for k in range(3) if shared == 0 else (1,):
         start, end = one[k], one[(k + 1) % 3]
@@ -184,7 +186,7 @@ def _meets_in_plane(start: Exact, end: Exact, triangle: Exact) -> Flags:
         meets |= (lowest >= 0) | (highest <= 0)
     for k in range(3):
         # A segment on the line of a side meets the side only with an end, which is seen above, or
-        # covers it; then it meets a neighbouring side too.
+        # covers it; then it meets a neighboring side too.
         meets |= (turn[0][k] * turn[1][k] <= 0) & (across[k] * across[(k + 1) % 3] < 0)
         meets |= (across[k] == 0) & _is_within(flat[3], flat[4], flat[k])
     return meets
@@ -211,7 +213,7 @@ def _has_area(triangle: Exact) -> Flags:
 
 
 def _shared_first(triangle: Exact, is_shared: Flags) -> Exact:
-    """Corners turned round so that the shared ones come first."""
+    """The corners, cyclically shifted so that the shared ones come first."""
     start = first_shared(is_shared)
     return np.stack([triangle[(start + k) % 3, :, np.arange(len(start))].T for k in range(3)])
 

@@ -2,8 +2,8 @@
 
 Coordinates become 16-bit steps by one monotone map, so a comparison of steps can report an
 overlap too many but never one too few. The two shorter axes are cut into square columns; in each
-column the faces are sorted along the longest axis, where the overlapping ones are then neighbours.
-A pair is given out only in its lowest common column, which spares sorting out repeats.
+column the faces are sorted along the longest axis, where the overlapping ones are then neighbors.
+A pair is yielded only in its lowest common column, which spares sorting out repeats.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ _BLOCK = 1 << 18
 """Pairs or column entries in work at once; the largest temporaries are some 20 MB."""
 
 _LAST = 65535
-"""Highest step. Steps 0 and `_LAST` are for what lies outside the region that counts."""
+"""Highest step. Steps 0 and `_LAST` stand for all that lies outside the region that counts."""
 
 
 class Boxes(NamedTuple):
-    """Boxes of the faces that can meet a moved one, in steps, axes from longest to shortest.
+    """Boxes of the faces that can meet a moved one, in steps; axes go from longest to shortest.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def face_boxes(points: Points, triangles: Triangles, is_moved: NDArray[np.bool_]
 
 
 def overlapping_pairs(boxes: Boxes) -> Iterator[tuple[Indices, Indices]]:
-    """Positions in `boxes` of overlapping pairs with a moved face, each once, block by block."""
+    """Numbers in `boxes` of overlapping pairs with a moved face, each pair once, block by block."""
     size = _column_size(boxes)
     first_row, last_row = boxes.low[1] // size, boxes.high[1] // size
     first_column, last_column = boxes.low[2] // size, boxes.high[2] // size
@@ -82,8 +82,8 @@ def overlapping_pairs(boxes: Boxes) -> Iterator[tuple[Indices, Indices]]:
         row, column = np.divmod(ranges(np.zeros_like(counts), counts), widths[box])
         row += np.repeat(top, counts)
         column += first_column[box]
-        # Bit 0: lowest row of this box; bit 1: lowest column; bit 2: moved. One of a pair has to
-        # be at its lowest in each direction where both are for the first time together.
+        # Bit 0: lowest row of this box; bit 1: lowest column; bit 2: moved. Where both of a pair
+        # are together for the first time, one of them is at its lowest, in each direction.
         marks = (row == first_row[box]) | ((column == first_column[box]) << 1)
         marks |= boxes.is_moved[box].astype(np.int64) << 2
         place = (row << 32) | (column << 16)

@@ -33,7 +33,7 @@ FOLDED = np.cos(np.deg2rad(1.0))
 """Two faces at an angle below 1 degree lie on each other: walls that touch, no seam of one wall."""
 
 
-class Mesh:
+class Triangulation:
     """Everything that follows from the triangles alone; surfaces that differ in their points share
     it."""
 
@@ -79,13 +79,13 @@ class Mesh:
         return closing(self.triangles, self.topology)
 
     @cached_property
-    def of_whole(self) -> Mesh:
+    def of_whole(self) -> Triangulation:
         """The mesh of all triangles that belong to the surface, wall or not."""
         if self.whole is self.triangles:
             return self
         return self._of(self.whole, self.cells_of_whole)
 
-    def without(self, points: Points, is_apart: Flags, is_island: Flags) -> Mesh:
+    def without(self, points: Points, is_apart: Flags, is_island: Flags) -> Triangulation:
         """The mesh without some triangles (m,); points of those apart follow the wall."""
         kept = np.flatnonzero(~(is_apart | is_island))
         mesh = self._of(self.triangles[kept], kept if self.cells is None else self.cells[kept])
@@ -97,7 +97,7 @@ class Mesh:
             mesh.weights = following_weights(points, mesh.triangles, points[own])
         return mesh
 
-    def _of(self, triangles: Triangles, cells: Indices | None) -> Mesh:
+    def _of(self, triangles: Triangles, cells: Indices | None) -> Triangulation:
         mesh = copy(self)
         for name in ("topology", "corners", "neighbors", "wound_triangles", "closing", "of_whole"):
             vars(mesh).pop(name, None)

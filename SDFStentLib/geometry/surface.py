@@ -25,7 +25,7 @@ from .closing import Closing
 from .faces import compacted, face_areas, face_normals, vertex_normals
 from .fans import component_labels
 from .inside import Inside
-from .seams import Mesh
+from .seams import Triangulation
 from .topology import Topology, VertexNeighbors
 
 
@@ -58,7 +58,7 @@ class Surface:
 
     points: Points
     triangles: Triangles
-    _mesh: Mesh = field(repr=False)
+    _mesh: Triangulation = field(repr=False)
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class Surface:
     ) -> None:
         checked = as_patient_points(points, f"{name} points", minimum=3)
         corners = read_only(as_triangles(triangles, len(checked), f"{name} triangles"))
-        self._keep(checked, Mesh(checked, corners, is_left_out))
+        self._keep(checked, Triangulation(checked, corners, is_left_out))
 
     def with_points(self, points: ArrayLike, name: str = "surface points") -> Surface:
         """A surface of the same triangles with other points; the topology is not worked out again.
@@ -294,12 +294,12 @@ class Surface:
         return Inside(points, np.ascontiguousarray(triangles.T), part)
 
     @staticmethod
-    def _with(points: Points, mesh: Mesh) -> Surface:
+    def _with(points: Points, mesh: Triangulation) -> Surface:
         surface = object.__new__(Surface)
         surface._keep(points, mesh)
         return surface
 
-    def _keep(self, points: Points, mesh: Mesh) -> None:
+    def _keep(self, points: Points, mesh: Triangulation) -> None:
         object.__setattr__(self, "points", read_only(points))
         object.__setattr__(self, "triangles", mesh.triangles)
         object.__setattr__(self, "_mesh", mesh)

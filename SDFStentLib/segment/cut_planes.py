@@ -1,4 +1,4 @@
-"""Planes across a vessel that meet only this vessel, however oblique its parent is."""
+"""Planes across a vessel that meet only this vessel, however oblique its parent vessel is."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ from ..validation import Floats, InputError, Points, read_only
 from ..vessel import VesselParts
 
 SPACING = 0.5
-"""Between points of the centerline that stand for it, mm."""
+"""Spacing of the points that stand for the centerline, mm."""
 
 OFF = 1.5
-"""A place is so many radii of the vessel away from its centerline at most."""
+"""Largest distance of a place in a vessel from its centerline, in radii."""
 
 ALONG = 1.5
-"""How far along the tree, in distances from the axis to the wall, a section belongs to its place:
-where its border lies nearer to the centerline elsewhere, it runs into another vessel."""
+"""Distance along the tree, in distances from the axis to the wall, within which a section belongs
+to its place: where its border lies nearer to the centerline elsewhere, it runs into another
+vessel."""
 
 TANGENT = 1.5
-"""The direction of a vessel is that of a parabola over so many distances to the wall."""
+"""Length, in distances to the wall, of the parabola whose direction is that of a vessel."""
 
 STEP = 0.25
-"""Between the places that are tried for a plane, in the same unit."""
+"""Spacing of the places that are tried for a plane, in the same unit."""
 
 SAME = 1e-6
-"""Up to this distance a point lies on a path, mm."""
+"""Distance, mm, up to which a point lies on a path."""
 
 
 @dataclass(frozen=True)
@@ -38,13 +39,13 @@ class CutPlane:
     """A plane across a vessel by which a segment of it is cut off."""
 
     name: str
-    """Of the branch that it cuts."""
+    """Name of the branch that it cuts."""
     origin: Floats
-    """(3,) on the centerline, mm."""
+    """(3,) place on the centerline, mm."""
     normal: Floats
     """(3,) unit vector into the segment."""
     is_closed: bool = False
-    """Whether what is cut off there was a side branch: the opening becomes wall."""
+    """Whether it cuts off a side branch, so that the opening becomes wall."""
 
     def __post_init__(self) -> None:
         for name in ("origin", "normal"):
@@ -52,16 +53,16 @@ class CutPlane:
 
 
 class TriedPlace(NamedTuple):
-    """A place on a line along which a plane is looked for."""
+    """A place on a line along which a plane is searched."""
 
     along: float
-    """From the beginning of the line, mm."""
+    """Distance from the beginning of the line, mm."""
     place: Points
     direction: Floats
 
 
 class PlaneFinder:
-    """A vessel that is asked for its sections again and again."""
+    """A vessel, prepared for being asked for its sections again and again."""
 
     def __init__(self, vessel: VesselParts, treated: VesselParts | None = None) -> None:
         """`treated` is the same vessel after treatment, which planes have to meet as well."""
@@ -76,7 +77,7 @@ class PlaneFinder:
         self.reach = self.wall.query(self.axis.points)[0]
 
     def check_inside(self, way: Line, place: Location, word: str) -> None:
-        """`InputError` where the first point of a way was taken for a place outside the vessel."""
+        """Raise `InputError` where a way starts from a place outside of the vessel."""
         start = way.points[0]
         section = section_around(self.points, self.triangles, start, self.direction(way))
         # The tip of a centerline may lie beyond its vessel.
@@ -90,7 +91,7 @@ class PlaneFinder:
             )
 
     def has_parted(self, place: Points, way: Line) -> bool:
-        """Whether a branch at a place is beside the vessel that a way runs through."""
+        """Whether a branch, at a place, lies beside the vessel through which a way runs."""
         return bool(way.nearest(place[None]).distances[0] > self.wall.query(place)[0])
 
     def direction(self, way: Line) -> Floats:
@@ -101,7 +102,7 @@ class PlaneFinder:
         return np.asarray(parabola[1] / np.linalg.norm(parabola[1]))
 
     def fault(self, origin: Points, normal: Floats) -> str:
-        """Why a plane does not meet one vessel alone; empty where it does."""
+        """The reason why a plane does not meet one vessel alone; empty where it does."""
         section = section_around(self.points, self.triangles, origin, normal)
         if section is None:
             return "does not go round its centerline"
@@ -117,7 +118,7 @@ class PlaneFinder:
         return f"{fault} after treatment" if fault else ""
 
     def steps(self, line: Line) -> Iterator[TriedPlace]:
-        """Places along a line and its direction there."""
+        """Places along a line, with the direction of the line there."""
         along, at = 0.0, line.arc_lengths
         # Ends: goes on by a tenth of the spacing at least.
         while along < at[-1] - SAME:
@@ -127,7 +128,7 @@ class PlaneFinder:
             along += max(STEP * float(self.wall.query(place)[0]), SPACING / 10)
 
     def _is_crossed_elsewhere(self, section: SectionAround, origin: Points, normal: Floats) -> bool:
-        """Whether the centerline passes through the section at another place than the origin."""
+        """Whether the centerline passes through the section at a place other than the origin."""
         ends = np.flatnonzero(self.axis.parent >= 0)
         heights = product(self.axis.points - origin, normal)
         ends = ends[(heights[self.axis.parent[ends]] < 0) != (heights[ends] < 0)]
@@ -139,7 +140,7 @@ class PlaneFinder:
         return _is_round(section, away, normal)
 
     def _is_elsewhere(self, section: SectionAround, origin: Points) -> bool:
-        """Whether some of the border lies nearer to the centerline far along the tree."""
+        """Whether a part of the border lies nearer to the centerline far along the tree."""
         here = int(np.argmin(norm(self.axis.points - origin)))
         near = self._nearby(here, ALONG * float(self.wall.query(origin)[0]) + SPACING)
         rim = section.start
@@ -152,7 +153,7 @@ class PlaneFinder:
         return bool((other < own - SPACING / 2).any())
 
     def _nearby(self, start: int, limit: float) -> Floats:
-        """Which points of the axis are within a distance along the tree."""
+        """Whether each point of the axis is within a distance along the tree."""
         distance = np.full(len(self.axis.points), np.inf)
         distance[start], waiting = 0.0, [start]
         # Ends: in a tree a point is reached once.

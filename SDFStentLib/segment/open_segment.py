@@ -20,14 +20,14 @@ class OpenSegment:
     Attributes
     ----------
     vessel : VesselParts
-        From which it was cut.
+        The vessel from which it was cut.
     mesh : CutSurface
-        Its triangles; their sources are those of the vessel.
+        Its triangles; their sources are triangles of the vessel.
     planes : tuple of CutPlane
     rims : tuple of (r,) arrays of int
         The curve of each plane, in the direction of the triangles beside it.
     areas : tuple of float
-        Of the lumen in each plane, mm^2.
+        Area of the lumen in each plane, mm^2.
     """
 
     vessel: VesselParts
@@ -37,11 +37,12 @@ class OpenSegment:
     areas: tuple[float, ...] = ()
 
     def cut_off(self, plane: CutPlane) -> OpenSegment | None:
-        """The same without what lies beyond a plane; None where that is not one branch alone."""
+        """The segment without the part beyond a plane; None where that part is not one branch
+        alone."""
         cut = _divided(self, plane)
         if isinstance(cut, str):
             return None
-        sides = _Sides(cut.mesh, cut.rims[-1:])
+        sides = _SidesOfCuts(cut.mesh, cut.rims[-1:])
         kept = cut.mesh.triangles[sides.kept]
         is_whole = np.isin(np.concatenate(self.rims), kept).all()
         return _only(cut, sides.kept) if sides.are_apart and is_whole else None
@@ -71,7 +72,7 @@ def bounds_a_segment(vessel: VesselParts, planes: Sequence[CutPlane]) -> bool:
 
 
 def _between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment | str:
-    """The part of a vessel between two planes, or why there is none."""
+    """The part of a vessel between two planes, or the reason why there is none."""
     none = np.zeros(0, np.int64)
     surface = vessel.surface
     every = np.arange(len(surface.triangles))
@@ -81,11 +82,11 @@ def _between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment | s
         if isinstance(divided, str):
             return f"the {word} {divided}"
         cut = divided
-    sides = _Sides(cut.mesh, cut.rims)
+    sides = _SidesOfCuts(cut.mesh, cut.rims)
     return _only(cut, sides.kept) if sides.are_apart else "the vessel goes on beside them"
 
 
-class _Sides:
+class _SidesOfCuts:
     """What lies above curves on a surface, and whether none of that lies below one, too."""
 
     def __init__(self, mesh: CutSurface, rims: Sequence[Indices]) -> None:
@@ -106,7 +107,7 @@ class _Sides:
 
 
 def _divided(segment: OpenSegment, plane: CutPlane) -> OpenSegment | str:
-    """All of it, cut along a plane; in words why it cannot be."""
+    """The whole segment, divided along a plane, or the reason why it cannot be."""
     mesh, none = segment.mesh, np.zeros(0, np.int64)
     section = section_around(mesh.points, mesh.triangles, plane.origin, plane.normal)
     if section is None or not section.is_closed:

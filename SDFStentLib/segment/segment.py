@@ -22,7 +22,7 @@ from .open_segment import OpenSegment
 from .segment_faces import SegmentFace, segment_faces
 
 UNEVEN = 0.2
-"""An open end is closed flat when its rim leaves its plane by less than so many radii."""
+"""Distance, in radii, up to which the rim of an open end may leave its plane and be closed flat."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Segment:
     Attributes
     ----------
     surface : Surface
-        Outward, mm.
+        Its surface, wound outward, mm.
     face_ids : (m,) array of int
         `SegmentFace.number` of every triangle.
     faces : tuple of SegmentFace
@@ -48,12 +48,12 @@ class Segment:
 
     @property
     def volume(self) -> float:
-        """Of the lumen, mm^3."""
+        """Volume of the lumen, mm^3."""
         return signed_volume(self.surface.points, self.surface.triangles)
 
     @property
     def walls(self) -> frozenset[int]:
-        """Numbers of the faces that are wall, closed branches too."""
+        """Numbers of the faces that are wall, those of closed branches included."""
         return frozenset(face.number for face in self.faces if face.kind == "wall")
 
     @property
@@ -63,7 +63,7 @@ class Segment:
 
 
 def closed_segment(opened: OpenSegment) -> Segment:
-    """A segment closed by a flat cap in each of its planes, and where the vessel was open.
+    """The segment, closed by flat caps in each of its planes and where the vessel was open.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def closed_segment(opened: OpenSegment) -> Segment:
 
 
 def _open_rims(triangles: Triangles, rims: Sequence[Indices]) -> Iterator[tuple[Indices, None]]:
-    """Open ends that were there before, in the direction of the faces."""
+    """Rims of open ends that the vessel had before, in the direction of the faces."""
     following = dict(boundary_edges(triangles).tolist())
     for rim in rims:
         for point in rim.tolist():
@@ -105,7 +105,7 @@ def _open_rims(triangles: Triangles, rims: Sequence[Indices]) -> Iterator[tuple[
 def _cap(
     points: Points, rim: Indices, vessel: VesselParts, normal: Floats | None
 ) -> tuple[Points, Triangles]:
-    """Points within a flat cap, and its triangles in the numbers of all points and then these."""
+    """Points within a flat cap, and its triangles, numbered by all points and then these."""
     loop = rim[::-1]
     corners = points[loop]
     origin = corners.mean(axis=0)

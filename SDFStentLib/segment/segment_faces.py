@@ -1,4 +1,4 @@
-"""The faces of a segment: wall, inlet or outlet, and what they are called."""
+"""The faces of a segment: wall, inlet or outlet, and their names."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from .cut_planes import SAME, CutPlane
 Kind = Literal["inlet", "outlet", "wall"]
 
 AT_END = 2.0
-"""An end of the centerline lies so many radii from the middle of the cap there at most."""
+"""Largest distance of an end of the centerline from the middle of its cap, in radii."""
 
 LONGEST = 80
-"""Letters of a name, which is that of a file, too."""
+"""Largest number of letters of a name, which is that of a file, too."""
 
 _NO_LETTERS = re.compile("[^0-9A-Za-z]+")
 
@@ -30,40 +30,40 @@ class SegmentFace(NamedTuple):
     """A face of a segment, as a solver names its boundaries."""
 
     number: int
-    """Of its triangles."""
+    """Number that its triangles have."""
     name: str
     """Letters, digits and underscores."""
     kind: Kind
     area: float
-    """mm^2."""
+    """Area, mm^2."""
     center: Floats
-    """(3,) of its area, mm."""
+    """(3,) center of its area, mm."""
     normal: Floats
-    """(3,) mean of its unit normals, outward; of a flat face a unit vector."""
+    """(3,) mean of its outward unit normals; a unit vector for a flat face."""
     said: str = ""
     """What tells it from others of its kind, such as the vessel that ends there."""
 
 
 HOLE = "hole"
-"""Name of what closes an opening of the wall where no centerline ends."""
+"""Name of a face that closes an opening of the wall where no centerline ends."""
 
 
 def segment_faces(
     surface: Surface, ids: Indices, vessel: VesselParts, ends: Mapping[int, CutPlane | None]
 ) -> tuple[SegmentFace, ...]:
-    """The faces of a closed segment by name, the inlet first and what is closed last.
+    """The named faces of a closed segment, the inlet first and closed openings last.
 
     Parameters
     ----------
     surface : Surface
     ids : (m,) array of int
-        Of its triangles.
+        Face number of its triangles.
     vessel : VesselParts
-        From which it was cut. The inlet is the end at the root of its centerline, else the end by
-        which the root is left.
+        The vessel from which it was cut. The inlet is the end at the root of its centerline, else
+        the end on the root's side.
     ends : mapping of int to CutPlane
-        The faces that closed the segment and their planes; None where it was open before: an end of
-        the vessel where its centerline ends, too, and else a hole, which becomes wall.
+        The faces that closed the segment, with their planes. None stands for an opening of before:
+        an end of the vessel if its centerline ends there, else a hole, which becomes wall.
     """
     plain = {number: _plain(surface, ids, number) for number in np.unique(ids).tolist()}
     planes = {number: plane for number, plane in ends.items() if plane is not None}
@@ -117,7 +117,7 @@ def _named(faces: Sequence[tuple[str, SegmentFace]]) -> tuple[SegmentFace, ...]:
 def _inlet(
     caps: Mapping[int, SegmentFace], planes: Mapping[int, CutPlane], tree: Centerline
 ) -> int:
-    """The end at the root of the tree; else of the two planes that by which the root is left."""
+    """The end at the root of the tree; else the one of the two planes on the root's side."""
     for root in tree.points[tree.roots]:
         for number, cap in caps.items():
             if number not in planes and _is_at(cap, root):
@@ -129,7 +129,7 @@ def _inlet(
 
 
 def _is_end(cap: SegmentFace, tree: Centerline) -> bool:
-    """Whether an end of the tree is near."""
+    """Whether an end of the tree is near a cap."""
     return any(_is_at(cap, tree.points[tip]) for tip in (*tree.roots, *tree.leaves))
 
 

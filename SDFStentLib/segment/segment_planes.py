@@ -16,14 +16,14 @@ from .cut_planes import SAME, CutPlane, PlaneFinder
 from .open_segment import OpenSegment, bounds_a_segment, segment_between
 
 DIGITS = 4
-"""Of the coordinates of a place in a sentence, which is chosen by typing them."""
+"""Digits of the coordinates of a place in a sentence, as users choose it by typing them."""
 
 
 WORDS = ("start", "end")
-"""Of a segment."""
+"""Words for the two ends of a segment."""
 
 TRIES = 4
-"""Other places that are tried for a sentence."""
+"""Number of other places that are tried for the advice in a sentence."""
 
 Places = tuple[Location, Location]
 Lines = tuple[Line, Line]
@@ -31,30 +31,30 @@ Lines = tuple[Line, Line]
 
 
 class _Move(NamedTuple):
-    """Where to an end of a segment can be moved."""
+    """A place to which an end of a segment can be moved."""
 
     by: float
-    """Along the way, mm."""
+    """Distance of the move along the way, mm."""
     place: Points
 
 
 _Moves = tuple[_Move | None, ...]
-"""Of the start and of the end; None for one that stays."""
+"""Moves of the start and of the end; None for one that stays."""
 
 _NOWHERE: _Moves = (None, None)
 
 
 class SegmentEnds(NamedTuple):
-    """Where a segment of a vessel begins and ends."""
+    """The two ends of a segment of a vessel."""
 
     start: Location
     way: Line
-    """On the centerline from its start to its end."""
+    """The way on the centerline from its start to its end."""
     finder: PlaneFinder
     opened: OpenSegment
-    """The vessel between the planes there."""
+    """The part of the vessel between the planes there."""
     moved: tuple[float, float] = (0.0, 0.0)
-    """How far each was moved from where it was wanted, mm."""
+    """Distance of each end from where it was wanted, mm."""
 
 
 def segment_ends(
@@ -65,24 +65,25 @@ def segment_ends(
     nearest: bool = False,
     treated: VesselParts | None = None,
 ) -> SegmentEnds:
-    """What planes at two places bound.
+    """The ends of the segment that planes at two places bound.
 
     Parameters
     ----------
     vessel : VesselParts
     start, end : (3,) arrays
-        Places in the vessel, mm; the segment is what lies on the way between them.
+        Places in the vessel, mm; the segment lies on the way between them.
     nearest : bool
-        Whether an end where no plane meets only this vessel moves into the segment, as far as it
-        takes.
+        Whether an end at which every plane meets another vessel moves into the segment, as far as
+        needed.
     treated : VesselParts, optional
         The vessel after treatment: planes have to meet it alone in that state, too.
 
     Raises
     ------
     InputError
-        A place that is not in the vessel, two that are one, or a plane that meets another vessel,
-        an end of the surface or nothing closed. Other places that are told bound a segment.
+        A place that is not in the vessel, two places that are one, or a plane that meets another
+        vessel, an end of the surface or no closed curve. Places that the message advises bound a
+        segment.
     """
     tree = vessel.tree
     places = tree.ends_of_path(as_point(start, "segment start"), as_point(end, "segment end"))
@@ -110,7 +111,7 @@ def segment_ends(
 
 
 def _planes(finder: PlaneFinder, places: Places) -> tuple[tuple[CutPlane, ...], tuple[str, ...]]:
-    """Across the vessel at two places, into the way between them, and what is wrong with each."""
+    """The planes across the vessel at two places, facing each other, and the fault of each."""
     way = finder.vessel.tree.path(*places).line
     planes, faults = [], []
     for place, line in zip(places, (way, way.reversed()), strict=True):
@@ -121,7 +122,7 @@ def _planes(finder: PlaneFinder, places: Places) -> tuple[tuple[CutPlane, ...], 
 
 
 def _refusal(finder: PlaneFinder, lines: Lines, faults: Sequence[str], moves: _Moves) -> str:
-    """What is wrong with the places of the planes that have faults, and where to move them."""
+    """The faults of the places of the planes, and the places to which to move them."""
     said = []
     for word, line, fault, move in zip(WORDS, lines, faults, moves, strict=True):
         if fault:
@@ -137,7 +138,7 @@ def _refusal(finder: PlaneFinder, lines: Lines, faults: Sequence[str], moves: _M
 
 
 def _moves(finder: PlaneFinder, lines: Lines, faults: Sequence[str]) -> _Moves:
-    """Places nearby that bound a segment together, None for an end that stays or has none."""
+    """Places nearby that bound a segment together; None for an end that stays or has none."""
     tried = [
         _free(finder, line) if fault else repeat(None)
         for line, fault in zip(lines, faults, strict=True)
@@ -152,7 +153,7 @@ def _moves(finder: PlaneFinder, lines: Lines, faults: Sequence[str]) -> _Moves:
 
 
 def _moved(tree: Centerline, lines: Lines, moves: _Moves) -> Places:
-    """The first points of lines, moved."""
+    """The first points of the lines, moved where there is a move."""
     first, last = (
         tree.project(line.points[0] if move is None else move.place)
         for line, move in zip(lines, moves, strict=True)
@@ -161,7 +162,8 @@ def _moved(tree: Centerline, lines: Lines, moves: _Moves) -> Places:
 
 
 def _free(finder: PlaneFinder, line: Line) -> Iterator[_Move]:
-    """Places along a line at which a plane meets only the vessel there, as a sentence has them."""
+    """Places along a line at which a plane meets only the vessel there, rounded as
+    in a sentence."""
     for step in finder.steps(line):
         if not finder.fault(step.place, step.direction):
             typed = [float(f"{value:.{DIGITS}g}") for value in step.place]

@@ -1,4 +1,4 @@
-"""Side branches of a segment, each cut off where a plane first meets only it."""
+"""Side branches of a segment, each cut off where a plane first meets only that branch."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from .segment import closed_segment
 from .segment_planes import SegmentEnds
 
 INSIDE = 1.0
-"""A branch that ends within a segment lies in it so far before its end, mm."""
+"""Distance before its end, mm, at which a branch that ends within a segment lies in it."""
 
 ALIKE = 2.0
-"""A side branch is the same one in two states of a vessel when it is cut there at most so many
-times as wide in one as in the other."""
+"""Largest ratio of the widths at which a cut side branch counts as the same in two states of a
+vessel."""
 
 
 STUB = 1.5
-"""Diameters of a side branch that stay on where it becomes an outlet: flow turns into it."""
+"""Length, in diameters, of a side branch that is kept where it becomes an outlet: flow turns into
+it."""
 
 
 class OpenBranch(NamedTuple):
@@ -34,37 +35,37 @@ class OpenBranch(NamedTuple):
 
     name: str
     place: Points
-    """(3,) where its centerline leaves the way, mm."""
+    """(3,) place where its centerline leaves the way, mm."""
 
 
 class ClosedBranches(NamedTuple):
-    """A segment, in each of its states, without its side branches."""
+    """A segment without its side branches, in each of its states."""
 
     states: tuple[OpenSegment, ...]
     left: tuple[OpenBranch, ...]
-    """What stays open in each of them, at least in part."""
+    """The branches that stay open in each state, at least in part."""
 
 
 def close_side_branches(
     ends: SegmentEnds, states: Sequence[OpenSegment], *, as_outlets: bool = False
 ) -> ClosedBranches:
-    """Cut off the vessels that leave the way between two planes, each where a plane meets only it.
+    """Cut off the vessels that leave the way between two planes, each where a plane meets it alone.
 
     Parameters
     ----------
     ends : SegmentEnds
     states : sequence of OpenSegment
-        What the same planes bound in states of the vessel, the native one first. A branch is cut
-        by one plane in all of them, or stays open in all.
+        The segments that the same planes bound in states of the vessel, the native one first. A
+        branch is cut by one plane in all of them, or stays open in all.
     as_outlets : bool
-        Whether the openings become outlets in place of wall; then a `STUB` of each stays on.
+        Whether the openings become outlets instead of wall; then a `STUB` of each branch stays.
     """
     lumen = closed_segment(ends.opened).surface
     sides = _sides_within(ends, lumen)
     kept = tuple(states)
     closed: set[int] = set()
     seen: set[bytes] = set()
-    # The nearest places first, so that no branch is cut before what it comes from.
+    # The nearest places come first, so that no branch is cut before the one it comes from.
     steps = (_steps(ends, side, number, closed) for number, side in enumerate(sides))
     for step, number in merge(*steps, key=lambda one: one[0].along):
         key = np.round([step.place, step.direction], 6).tobytes()
@@ -87,7 +88,7 @@ def close_side_branches(
 
 
 def _sides_within(ends: SegmentEnds, lumen: Surface) -> list[Line]:
-    """From where they leave the way: lines to the ends of the tree within the segment."""
+    """Lines from where side branches leave the way to the ends of the tree within the segment."""
     tree, found = ends.finder.vessel.tree, []
     root = tree.ancestry(ends.start.index)[0]
     for tip in (*tree.leaves, *tree.roots):
@@ -108,13 +109,13 @@ def _ends_in(side: Line, lumen: Surface) -> bool:
 def _steps(
     ends: SegmentEnds, side: Line, number: int, closed: Collection[int]
 ) -> Iterator[tuple[TriedPlace, int]]:
-    """Along a side branch, until it is closed."""
+    """Places along a side branch, until it is closed."""
     steps = takewhile(lambda _: number not in closed, ends.finder.steps(side))
     return ((step, number) for step in steps)
 
 
 def _plane(ends: SegmentEnds, step: TriedPlace, lumen: Surface) -> CutPlane | None:
-    """Across a side branch at a place; None where it has not parted or is not alone."""
+    """The plane across a side branch at a place; None where it has not parted or is not alone."""
     finder = ends.finder
     if not finder.has_parted(step.place, ends.way) or not lumen.contains(step.place[None])[0]:
         return None
@@ -125,7 +126,7 @@ def _plane(ends: SegmentEnds, step: TriedPlace, lumen: Surface) -> CutPlane | No
 
 
 def _all_cut(states: Sequence[OpenSegment], plane: CutPlane) -> tuple[OpenSegment, ...] | None:
-    """Every state without what lies beyond a plane; None where that is not the same in all."""
+    """Every state without the part beyond a plane; None where that part is not the same in all."""
     cut = [found for state in states if (found := state.cut_off(plane)) is not None]
     areas = [one.areas[-1] for one in cut]
     if len(cut) < len(states) or max(areas) > ALIKE**2 * min(areas):
@@ -138,7 +139,7 @@ def _is_on(side: Line, place: Points) -> bool:
 
 
 def _named(ends: SegmentEnds, sides: Sequence[Line]) -> Iterator[OpenBranch]:
-    """Branches by the names of their ends, one for all that leave at one place."""
+    """The branches by the names of their ends; one stands for all that leave at one place."""
     vessel = ends.finder.vessel
     lines = [side.points for side in sides]
     for origin in dict.fromkeys(tuple(line[0]) for line in lines):
