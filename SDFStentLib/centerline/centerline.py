@@ -275,13 +275,11 @@ class Centerline:
         return self._path_through(center, half, half)
 
     def path_from_distal(self, distal: ArrayLike | Location, length: float) -> CenterlinePath:
-        """The path, `length` mm long, from a distal end up towards the root, or to
-        the last point."""
+        """The path of `length` mm from a distal end towards the root; shorter if the line ends."""
         return self._path_through(distal, as_number(length, "length", unit="mm", above=0), 0.0)
 
     def path_from_proximal(self, proximal: ArrayLike | Location, length: float) -> CenterlinePath:
-        """The path, `length` mm long, from a proximal end downstream; junctions as in
-        `path_around`."""
+        """The path of `length` mm from a proximal end downstream; divisions as `path_around`."""
         return self._path_through(proximal, 0.0, as_number(length, "length", unit="mm", above=0))
 
     def resampled(self, spacing: float) -> Centerline:
@@ -337,7 +335,7 @@ class Centerline:
 
     @cached_property
     def _branch_of(self) -> Indices:
-        """Index into `branches` for every point; where one has no length, of the one next to it."""
+        """Index into `branches` for every point; the next branch where one has no length."""
         return branch_of_points(self.lumens, self.branches, self.arc_length)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Surfaces and centerlines in files, read strictly and written whole or not at all."""
+"""Surfaces and centerlines in files: read strictly, written whole or not at all."""
 
 from .atomic import atomic_path as atomic_path
 from .atomic import cannot_write as cannot_write

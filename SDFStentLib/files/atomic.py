@@ -13,7 +13,7 @@ from ..validation import InputError, as_path
 
 
 def check_suffix(path: str | os.PathLike[str], what: str, suffixes: Sequence[str]) -> None:
-    """`InputError` for a file whose name does not end as that of its kind."""
+    """Raise `InputError` for a file whose suffix is not one of its kind."""
     suffix = Path(path).suffix
     if suffix.lower() not in suffixes:
         raise InputError(
@@ -67,13 +67,14 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write `data` to `path` through `atomic_path`; `InputError` when that fails."""
+    """Write `data` to `path` through `atomic_path`; `InputError` if that fails."""
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         file.write(data)
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:
-    """The file that writing to `path` replaces, links followed; before anything is computed.
+    """The file that writing to `path` would replace, links followed; to be asked before any
+    computing.
 
     Raises
     ------
@@ -96,7 +97,7 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
 
 
 def check_folder(path: str | os.PathLike[str], folder: Path) -> None:
-    """Refuse a folder for `path` that does not exist or may not be written."""
+    """Raise `InputError` for a folder that does not exist or may not be written."""
     if not folder.is_dir():
         raise InputError(f"{path}: expected an existing folder, {folder} is none; create it first.")
     if not os.access(folder, os.W_OK | os.X_OK):
@@ -113,7 +114,7 @@ def flush_to_disk(path: Path) -> None:
 
 
 def cannot_write(path: str | os.PathLike[str], error: Exception) -> InputError:
-    """The sentence about a file or folder that the system does not let us write."""
+    """The error for a file or folder that the system does not let us write."""
     reason = getattr(error, "strerror", None) or str(error)
     return InputError(
         f"{path}: cannot be written ({reason}); free space, or choose another folder or name."

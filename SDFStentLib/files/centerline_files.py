@@ -1,4 +1,4 @@
-"""Centerlines and axes from files, raw as the file has them or as a tree."""
+"""Centerlines and axes from files, either raw as the file has them or as a tree."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from .formats import decode_fcsv, decode_markups, decode_pth, read_vtk_polydata
 from .polydata import inscribed_radius_from_polydata, lines_from_polydata, polydata_from_lines
 
 PLAIN_LINES = {".pth": decode_pth, ".fcsv": decode_fcsv}
-"""Formats of one line of points."""
+"""Decoders of the formats that hold a single line of points."""
 
 
 @dataclass(frozen=True)
 class LineFile:
-    """Lines as a file has them, nothing merged or put in order.
+    """Lines as a file has them, with nothing merged or reordered.
 
     Attributes
     ----------
@@ -43,14 +43,14 @@ class LineFile:
         Frame of `points`; `None` where the file does not say.
     path : Path
     sha256 : str
-        Of the file's bytes, hexadecimal.
+        Hash of the file's bytes, hexadecimal.
     warnings : tuple of Caution
-        What was changed in reading.
+        Changes that were made in reading.
     is_flipped : bool
-        Whether `points` were turned to the other frame by `in_frame_of`; the file that is
-        written is in the frame of the one that was read.
+        Whether `in_frame_of` turned `points` to the other frame; a file is written in the frame
+        of the one that was read.
     markups : bytes or None
-        The whole file if it is a markups file, to be written again.
+        The whole file if it is a markups file, kept for writing it again.
     """
 
     points: Points
@@ -66,9 +66,9 @@ class LineFile:
     _polydata: vtkPolyData | None = field(default=None, repr=False, compare=False)
 
     def polydata(self) -> vtkPolyData:
-        """A copy of the polydata in unit and frame of the file, with all its arrays.
+        """A copy of the polydata in the unit and frame of the file, with all its arrays.
 
-        Of a markups file: polydata of its curves.
+        For a markups file it is made of the curves.
         """
         if self._polydata is None:
             stored = flipped(self.points) if self.is_flipped else self.points
@@ -79,17 +79,17 @@ class LineFile:
 
     @property
     def drawn_points(self) -> Points:
-        """The points (k, 3) that its lines go through, each once, mm."""
+        """The points (k, 3) through which the lines go, each once, mm."""
         return self.points[np.unique(np.concatenate(self.lines))]
 
     @property
     def ends(self) -> Points:
-        """Where its lines begin and end, (n, 2, 3) mm."""
+        """First and last place of every line, (n, 2, 3), mm."""
         return self.points[[[line[0], line[-1]] for line in self.lines if len(line)]]
 
     @property
     def file_frame(self) -> Frame | None:
-        """Frame of the file, that of `points` unless these were turned."""
+        """Frame of the file, which is that of `points` unless these were turned."""
         if not self.is_flipped:
             return self.frame
         return "RAS" if self.frame == "LPS" else "LPS"
@@ -100,7 +100,7 @@ class LineFile:
         wall: Points | None = None,
         widths: Widths | None = None,
     ) -> Centerline:
-        """The tree of these lines; `InputError` naming the file where there is none.
+        """The tree of these lines; `InputError` that names the file where there is none.
 
         Its root is the end nearest to `root`, (3,) mm; without it, and with points of a `wall`
         (m, 3) and its `widths`, by the rules of `Centerline.from_lines`.
@@ -114,14 +114,14 @@ class LineFile:
 
 
 def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
-    """Read lines from VTP, legacy VTK, curves or a list of points of Slicer, SimVascular's paths.
+    """Read lines from VTP, legacy VTK, Slicer's curves and point lists, or SimVascular's paths.
 
     Parameters
     ----------
     path : path
     units : {"mm", "cm", "m"}
-        Unit of the coordinates in the file. What a markups file names is the unit of the screen:
-        its positions are mm whatever it says, unless they were written otherwise.
+        Unit of the coordinates in the file. The unit that a markups file names is that of the
+        screen: its positions are in mm anyhow, unless they were written otherwise.
 
     Raises
     ------
@@ -165,23 +165,23 @@ def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
 def read_centerline(path: str | os.PathLike[str], units: str = "mm") -> Centerline:
     """The centerline tree of a file; parameters and errors as `read_lines`.
 
-    `read_lines` keeps also the frame, the warnings and what is needed to write it again.
+    `read_lines` also keeps the frame, the warnings and all that is needed to write the file again.
     """
     return read_lines(path, units).centerline()
 
 
 def read_axis(path: str | os.PathLike[str], units: str = "mm") -> Points:
-    """The one line of a file, (n, 3), mm, in the order of its cell; see `axis_of`."""
+    """The only line of a file, (n, 3), mm, in the order of its cell; see `axis_of`."""
     return axis_of(read_lines(path, units))
 
 
 def axis_of(line_file: LineFile) -> Points:
-    """The points (n, 3) of the one line of a file, mm, in the order of its cell.
+    """The points (n, 3) of the only line of a file, mm, in the order of its cell.
 
     Raises
     ------
     InputError
-        The file has several lines, also when they are pieces of one.
+        The file has several lines, even if they are pieces of one.
     """
     lines = [line for line in line_file.lines if len(line) > 1]
     if len(lines) != 1:
@@ -197,7 +197,7 @@ def axis_of(line_file: LineFile) -> Points:
 def in_frame_of(line_file: LineFile, frame: Frame | None) -> LineFile:
     """Lines in the frame of a surface: x and y negated where both tags are known and differ.
 
-    Where one of the tags is missing the lines come back as they are.
+    Without one of the tags the lines are returned unchanged.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Centerlines into files: the points moved, everything else as it was read."""
+"""Centerlines into files: the points moved, everything else as read."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def write_centerline(
     Parameters
     ----------
     path : path
-        The suffix says the format: .vtp, .vtk or .mrk.json.
+        File to write; the suffix sets the format: .vtp, .vtk or .mrk.json.
     line_file : LineFile
     points : array_like, shape (n, 3)
         All points in the order of `line_file.points`, mm.
@@ -43,13 +43,13 @@ def write_centerline(
     Returns
     -------
     tuple of Caution
-        What this format cannot keep.
+        Contents that this format cannot keep.
 
     Raises
     ------
     InputError
-        Unknown suffix, another number of points, several lines into a markups file that were
-        none before, or the file cannot be written.
+        Unknown suffix, another number of points, several lines of another format for a markups
+        file, or the file cannot be written.
     """
     check_is_a(line_file, LineFile, "line_file")
     target = check_line_output(path)
@@ -72,10 +72,10 @@ def write_extracted_lines(
     Parameters
     ----------
     path : path
-        The suffix says the format: .vtp or .vtk.
+        File to write; the suffix sets the format: .vtp or .vtk.
     lines : ExtractedLines
     surface : SurfaceFile
-        That they are the centerlines of; they get its unit and frame.
+        The surface of which they are the centerlines; they get its unit and frame.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def _write_polydata(target: Path, polydata: vtkPolyData, frame: Frame | None) ->
 def check_line_output(
     path: str | os.PathLike[str], suffixes: tuple[str, ...] = LINE_SUFFIXES
 ) -> Path:
-    """The file that `write_centerline` would replace; `InputError` early where it could not."""
+    """The file that `write_centerline` would replace; `InputError` if it could not."""
     if not as_path(path).name.lower().endswith(suffixes):
         raise InputError(
             f"{path}: expected one of {', '.join(suffixes)} to write a centerline; rename it."
@@ -127,7 +127,7 @@ def _markups_bytes(path: str | os.PathLike[str], line_file: LineFile, points: Po
 def _polydata_with(line_file: LineFile, points: Points) -> vtkPolyData:
     polydata = line_file.polydata()
     coordinates = vtk_to_numpy(polydata.GetPoints().GetData())
-    # Only what moved, so that the others keep their bits whatever the unit is.
+    # Only moved points are written, so that the others keep their bits whatever the unit is.
     moved = np.flatnonzero((points != line_file.points).any(axis=1))
     coordinates[moved] = _in_file(line_file, points[moved]).astype(coordinates.dtype)
     return polydata

@@ -1,4 +1,4 @@
-"""What a surface has that is no wall of a lumen: seams, ghosts, and outer sides of walls.
+"""Parts of a surface that are no wall of a lumen: seams, ghosts, and outer sides of walls.
 
 A surface may hold the lumen and the outer side of its wall, both open, or joined by a ring at every
 end to the boundary of a solid.
@@ -24,24 +24,24 @@ from ..geometry import (
 from ..validation import Flags, Indices, Points, Triangles, as_place
 
 FLAT = np.cos(np.deg2rad(5.0))
-"""Faces of a ring that closes a wall lie in one plane up to this angle."""
+"""Cosine of the angle up to which the faces of a ring that closes a wall lie in one plane."""
 
 ALL = 0.95
 """Share of a side that counts as all of it: ends may be cut at a slant."""
 
 SAMPLES = 400
-"""Points of a side that are looked at."""
+"""Number of points of a side that are examined."""
 
 
 MOST_HOSTS = 32
-"""Parts, the largest, in which others are looked for: a mesh may be thousands of loose pieces."""
+"""Number of the largest parts in which others are searched: a mesh may have thousands of pieces."""
 
 LARGEST_ISLAND = 20.0
-"""Extent, mm, below which a closed part in another is an island: no vessel model is so small."""
+"""Extent, mm, below which a closed part in another is an island: no vessel model is that small."""
 
 
 def composition_warnings(surface: Surface, name: str) -> tuple[Caution, ...]:
-    """What was taken as one or left out of a surface as it was read."""
+    """Cautions about what was joined or left out of a surface when it was read."""
     whole, again, islands = surface.whole, surface.again_count, surface.islands
     outer = len(whole.triangles) - again - len(surface.triangles) - len(islands)
     counts = {
@@ -56,7 +56,7 @@ def composition_warnings(surface: Surface, name: str) -> tuple[Caution, ...]:
         if count
     ]
     if len(islands):
-        parts = _Parts(surface.points, islands, np.zeros(len(islands), dtype=bool))
+        parts = _SurfaceParts(surface.points, islands, np.zeros(len(islands), dtype=bool))
         largest = int(parts.extents.argmax())
         size = {"islands": parts.count, "extent_mm": float(parts.extents[largest])}
         place = as_place((parts.low[largest] + parts.high[largest]) / 2)
@@ -65,16 +65,17 @@ def composition_warnings(surface: Surface, name: str) -> tuple[Caution, ...]:
 
 
 def lumen_alone(surface: Surface) -> Surface:
-    """The surface without outer sides of walls and islands; itself where there is none.
+    """The surface without outer sides of walls and without islands; the surface itself if it has
+    none.
 
-    An outer side holds the lumen's side in it, and all of it is nearer to that than that is wide.
-    An island, such as calcium or what a segmentation has left, is a small closed part that lies in
-    another one. A wire in the lumen is neither.
+    An outer side encloses the lumen's side, and all of it is nearer to that than the lumen is wide.
+    An island, such as calcium or a remnant of a segmentation, is a small closed part that lies in
+    another part. A wire in the lumen is neither.
     """
     is_ring = rings(surface)
     if surface.topology.component_count == 1 and not is_ring.any():
         return surface
-    parts = _Parts(surface.points, surface.triangles, is_ring)
+    parts = _SurfaceParts(surface.points, surface.triangles, is_ring)
     if parts.count < 2:
         return surface
     is_apart, is_island = is_ring.copy(), np.zeros(len(is_ring), dtype=bool)
@@ -98,8 +99,8 @@ def lumen_alone(surface: Surface) -> Surface:
     return surface.without(is_apart, is_island)
 
 
-class _Parts:
-    """Parts of a surface that share points, numbered by their first triangles, without rings."""
+class _SurfaceParts:
+    """The parts of a surface without its rings, numbered by their first triangles."""
 
     def __init__(self, points: Points, triangles: Triangles, is_ring: Flags) -> None:
         self._points, self._triangles = points, triangles
@@ -120,15 +121,15 @@ class _Parts:
         self.is_closed = ~np.isin(own, label[boundary_edges(kept).ravel()])
 
     def faces(self, part: int) -> Indices:
-        """Numbers (k,) of its triangles."""
+        """Numbers (k,) of the triangles of a part."""
         return self._rows[self._starts[part] : self._starts[part + 1]]
 
     def alone(self, part: int) -> Surface:
-        """A part as a surface of its own."""
+        """A single part as a surface of its own."""
         return Surface(*compacted(self._points, self._triangles[self.faces(part)]))
 
     def wholly_in(self, host: Surface, some: Indices) -> Indices:
-        """Those of some parts (k,) of which every point lies in another surface."""
+        """Those of some parts (k,) that lie in another surface with every point."""
         if not len(some):
             return some
         own = [self.faces(part) for part in some]
@@ -137,7 +138,8 @@ class _Parts:
         return some[np.logical_and.reduceat(is_in, np.cumsum([0, *map(len, own[:-1])]))]
 
     def boxed_in(self, part: int) -> Flags:
-        """Which others (p,) reach out of the box round a part by no more than a slanted end may."""
+        """Whether each other part (p,) lies in the box round a part, but for what a slanted end
+        may."""
         slack = (1 - ALL) * self.extents[part]
         found = (self.low >= self.low[part] - slack) & (self.high <= self.high[part] + slack)
         found[part] = False
@@ -145,22 +147,22 @@ class _Parts:
 
 
 def _is_wall_of(outer: Surface, inner: Surface) -> bool:
-    """Whether one part is the outer side of the wall of which the other is the lumen's side."""
+    """Whether one part is the outer side of a wall whose lumen's side is the other part."""
     sides = [one.points[:: max(1, len(one.points) // SAMPLES)] for one in (outer, inner)]
     if outer.contains(sides[1]).mean() < ALL:
         return False
     away = SurfaceIndex(inner.points, inner.triangles).distances(sides[0]).distance
-    # Of a long tube four times its volume over its area is its diameter.
+    # Four times its volume over its area is the diameter of a long tube.
     volume = abs(signed_volume(inner.closed.points, inner.closed.triangles))
     return float(np.quantile(away, ALL)) < 4 * volume / float(inner.face_areas.sum())
 
 
 def rings(surface: Surface) -> Flags:
-    """Which triangles (m,) belong to flat rings at which a closed solid has its ends."""
+    """Whether each triangle (m,) belongs to a flat ring at which a closed solid has an end."""
     triangles, shape = surface.triangles, surface.topology
     nothing = np.zeros(len(triangles), dtype=bool)
     vertices = int(np.count_nonzero(np.bincount(triangles.ravel())))
-    # Closed without a handle it is a sphere: nothing leads through it.
+    # A closed surface without a handle is a sphere: nothing leads through it.
     if not shape.is_watertight or vertices - len(triangles) // 2 >= 2 * shape.component_count:
         return nothing
     found, normals = edges(triangles), face_normals(surface.points, surface.wound_triangles)

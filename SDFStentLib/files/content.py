@@ -1,4 +1,4 @@
-"""What every reader of files needs: the bytes, their hash, the frame in its header."""
+"""Common to every reader of files: the bytes, their hash, and the frame in the header."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .recognized import HEAD, MODEL, has_images, image_in
 
 @dataclass(frozen=True)
 class FileContent:
-    """A file as it was read: where it is, its bytes and their SHA-256 (hexadecimal).
+    """A file as it was read: its path, its bytes and their SHA-256 (hexadecimal).
 
-    One that lists others has these as `pieces`, see `parallel`.
+    A file that lists others has these as `pieces`, see `parallel`.
     """
 
     path: Path
@@ -32,7 +32,7 @@ class FileContent:
 
 
 def read_content(path: str | os.PathLike[str], wanted: str = "a mesh or a line") -> FileContent:
-    """The bytes of a file that exists and is not empty; `wanted` is what it should hold.
+    """The bytes of a file that exists and is not empty; `wanted` says what it should hold.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def read_content(path: str | os.PathLike[str], wanted: str = "a mesh or a line")
 
 
 def _refuse_image(path: Path, wanted: str) -> None:
-    """Before all of it is read: images are large, and nothing reads one."""
+    """Refuse images before reading all of them: they are large, and nothing here reads them."""
     with path.open("rb") as file:
         image = image_in(path, file.read(HEAD))
     if image:
@@ -70,7 +70,8 @@ def _refuse_image(path: Path, wanted: str) -> None:
 
 
 def read_text(path: str | os.PathLike[str], wanted: str) -> str:
-    """The text of a file in UTF-8; `InputError` as of `read_content`, and for one that is none."""
+    """The UTF-8 text of a file; `InputError` as for `read_content`, and for a file
+    that is no text."""
     try:
         return read_content(path, wanted).data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -80,11 +81,11 @@ def read_text(path: str | os.PathLike[str], wanted: str) -> str:
 
 
 def frame_in_text(text: str) -> Frame | None:
-    """The frame that a header or a comment names as Slicer does, `SPACE=LPS`; `None` without."""
+    """The frame that a header or a comment names as Slicer does, `SPACE=LPS`, or `None`."""
     found = re.search(r"SPACE\s*=\s*(RAS|LPS)\b", text)
     return as_frame(found.group(1)) if found else None
 
 
 def header_text(frame: Frame | None) -> str:
-    """The title of a written file, which names the frame as Slicer does where it is known."""
+    """The title of a written file, which names the frame, if known, as Slicer does."""
     return f"SDFStent output. SPACE={frame}" if frame else "SDFStent output."

@@ -17,32 +17,32 @@ from ..interpreter import interpreter
 from ..validation import DeploymentError, Floats, Indices, InputError, Points
 
 OLDEST_PYTHON = (3, 12)
-"""For which the package `vmtk` is made."""
+"""Oldest Python for which the package `vmtk` is made."""
 
 SHAKEN = 1e-3
-"""Of the median edge, by which every point is moved for VMTK: on a wall as regular as that of a
-synthetic tube, many points on one sphere, its lines stop on the way."""
+"""Share of the median edge by which every point is moved for VMTK: on a wall as regular as that of
+a synthetic tube, with many points on one sphere, its lines stop on the way."""
 
 INSTALL = 'pip install "vmtk>=1.5"'
 
 
 REACHED = 0.1
-"""From its end a line may stop so far away, mm."""
+"""Largest distance, mm, of a line's last point from the end that it leads to."""
 
 
 class ExtractedLines(NamedTuple):
     """Lines from the inlet to every outlet, as VMTK gives them: they overlap upstream."""
 
     points: Points
-    """(n, 3) mm."""
+    """(n, 3) points, mm."""
     lines: tuple[Indices, ...]
-    """Point indices of each, from the inlet on, in the order of the outlets."""
+    """Point indices of each line from the inlet on, in the order of the outlets."""
     inscribed_radius: Floats
-    """(n,) of the largest inscribed sphere, mm."""
+    """(n,) radius of the largest inscribed sphere, mm."""
 
 
 def check_vmtk() -> None:
-    """`InputError` that says how to install VMTK, where it is missing."""
+    """Raise an `InputError` that says how to install VMTK if it is missing."""
     if importlib.util.find_spec("vmtk") is not None:
         return
     if sys.version_info < OLDEST_PYTHON:
@@ -61,16 +61,16 @@ def check_vmtk() -> None:
 def extract_lines(surface: Surface, inlet: int, outlets: Sequence[int]) -> ExtractedLines:
     """Centerlines from one place to others, along the largest inscribed spheres (VMTK).
 
-    VMTK ends its process on some surfaces; here that costs no more than a sentence.
+    VMTK ends its process on some surfaces; it runs in one of its own, so this gives an error only.
 
     Parameters
     ----------
     surface : Surface
         Closed and manifold, mm; see `capped`.
     inlet : int
-        A point of the surface at the proximal end,
+        A point of the surface at the proximal end.
     outlets : sequence of int
-        and at every distal end.
+        A point of the surface at every distal end.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def extract_lines(surface: Surface, inlet: int, outlets: Sequence[int]) -> Extra
 
 
 def _shaken(surface: Surface) -> Points:
-    """The points, each moved by a little, the same in every run."""
+    """The points, each moved a little, in the same way in every run."""
     reach = SHAKEN * median_edge(surface.points, surface.triangles)
     return surface.points + reach * np.random.default_rng(0).uniform(-1, 1, surface.points.shape)
 
@@ -116,7 +116,7 @@ def _shaken(surface: Surface) -> Points:
 def _check_reached(
     found: ExtractedLines, surface: Surface, inlet: int, outlets: Sequence[int]
 ) -> None:
-    """VMTK answers a failed search with too few lines or with such that stop on the way."""
+    """Raise an error for too few lines or lines that stop on the way: VMTK's failed searches."""
     if len(found.lines) != len(outlets):
         count = f"VMTK found {len(found.lines)} lines to {len(outlets)} ends"
         raise _failure(surface, inlet, count)

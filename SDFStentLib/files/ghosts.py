@@ -1,4 +1,5 @@
-"""Cells that VTK marks as copies of another piece, or as hidden: no part of a surface."""
+"""Cells that VTK marks as copies of another piece, or as hidden, and that are no
+part of a surface."""
 
 from __future__ import annotations
 
@@ -9,10 +10,10 @@ from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 from ..validation import Flags, Indices, Triangles
 
 KINDS = "vtkGhostType"
-"""Array of bits at cells and points."""
+"""Name of the array of bits at cells and points."""
 
 LEVELS = "vtkGhostLevels"
-"""The array of VTK 6 and before: above 0 is a ghost."""
+"""Name of the array of VTK 6 and before, in which a number above 0 marks a ghost."""
 
 _CELL = vtkDataSetAttributes.DUPLICATECELL | vtkDataSetAttributes.HIDDENCELL
 _CELL |= vtkDataSetAttributes.REFINEDCELL
@@ -20,10 +21,10 @@ _POINT = vtkDataSetAttributes.HIDDENPOINT  # a duplicate point is a copy, its ce
 
 
 def ghosts_of_polydata(polydata: vtkPolyData, triangles: Triangles) -> Flags | None:
-    """Which cells (m,) of polydata of triangles are ghosts; None where none is.
+    """Whether each cell (m,) of polydata of triangles is a ghost; None where none is.
 
-    Those that VTK neither draws nor counts: duplicate, hidden, refined by others, or with a
-    hidden point.
+    Ghosts are cells that VTK neither draws nor counts: duplicate, hidden, refined by others, or
+    with a hidden point.
     """
     cells, points = polydata.GetCellData(), polydata.GetPointData()
     is_ghost = np.zeros(len(triangles), dtype=bool)

@@ -1,4 +1,4 @@
-"""A closed surface as SimVascular's solvers read it: one file per face, in a folder.
+"""A closed surface as SimVascular's solvers read it: a folder with one file per face.
 
 The layout is that of SimVascular's *mesh-complete*, in cm, with 32-bit ids that count from 1, as
 svMultiPhysics asks for. `GlobalNodeID` holds for every volume mesh that keeps the surface and has
@@ -35,9 +35,9 @@ class VolumeMesh(NamedTuple):
     """Tetrahedra in a closed surface, whose points come first and are unchanged."""
 
     points: Points
-    """(k, 3) mm."""
+    """(k, 3) points, mm."""
     tetrahedra: Indices
-    """(t, 4)"""
+    """(t, 4) corners."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,13 @@ class MeshComplete:
     Parameters
     ----------
     surface : Surface
-        Outward, mm.
+        The surface, wound outward, mm.
     faces : NamedFaces
-        A face and a name for every triangle; names are those of files.
+        A face for every triangle, and the names of the faces, which become names of files.
     walls : collection of int
-        The faces that are wall.
+        Numbers of the faces that are wall.
     frame : "RAS", "LPS" or None
-        Of the points.
+        Frame of the points.
     volume : VolumeMesh, optional
     """
 
@@ -66,7 +66,8 @@ class MeshComplete:
     def write(self, folder: str | os.PathLike[str]) -> None:
         """Write `mesh-complete.exterior.vtp`, `walls_combined.vtp` and `mesh-surfaces/*.vtp`.
 
-        With a volume `mesh-complete.mesh.vtu`, too, and in all files the tetrahedra's ids.
+        With a volume it also writes `mesh-complete.mesh.vtu`, and the tetrahedra's ids in all
+        files.
 
         Raises
         ------
@@ -90,7 +91,7 @@ class MeshComplete:
             self._write(path, every[self.faces.ids == number], elements)
 
     def _write(self, path: Path, own: Indices, elements: Indices | None) -> None:
-        """Some triangles, with the ids of their points in the whole surface."""
+        """Write some triangles, with the ids of their points in the whole surface."""
         nodes, corners = np.unique(self.surface.triangles[own], return_inverse=True)
         cells = {ID_ARRAY: _ids(self.faces.ids[own])}
         if elements is not None:
@@ -129,7 +130,7 @@ def tetrahedra_at(surface: Surface, volume: VolumeMesh) -> Indices:
 
 
 def _keys(corners: Indices, count: int) -> Indices:
-    """One number for three points, in any order; fits for two million of them."""
+    """One number for three points in any order; it fits for up to two million points."""
     low, middle, high = np.sort(corners.astype(np.int64), axis=1).T
     return np.asarray((low * count + middle) * count + high)
 

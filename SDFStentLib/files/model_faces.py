@@ -1,4 +1,4 @@
-"""The parts of a model that polydata holds: SimVascular's ids of faces, and names of them."""
+"""The parts of a model that polydata holds: SimVascular's face ids, and names of them."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from .content import read_content
 from .formats.mdl_faces import LARGEST, mdl_face_names
 
 ID_ARRAY = "ModelFaceID"
-"""Cell array of integers, as SimVascular writes it."""
+"""Name of the cell array of integers that SimVascular writes."""
 
 NAME_ARRAY = "ModelFaceNames"
-"""Field array of texts, one for each named face: its id, a space and its name."""
+"""Name of the field array with a text for each named face: its id, a space and its name."""
 
 _ID = re.compile("[0-9]{1,9}")
 
 
 MODEL_SUFFIX = ".mdl"
-"""Of the SimVascular model that belongs to a surface of the same name."""
+"""Suffix of the SimVascular model that belongs to a surface of the same name."""
 
 
 def names_beside(path: Path) -> tuple[dict[int, str], tuple[Caution, ...]]:
-    """Names of faces from the model beside a surface, or why there are none.
+    """Names of faces from the model beside a surface, or a caution why there are none.
 
     A model that cannot be read is no reason to refuse the surface.
     """
@@ -50,9 +50,9 @@ def names_beside(path: Path) -> tuple[dict[int, str], tuple[Caution, ...]]:
 def faces_of_polydata(
     polydata: vtkPolyData, surface: Surface, names: Mapping[int, str] | None = None
 ) -> NamedFaces | None:
-    """The faces of a surface made of polydata of triangles; None where that does not tell them.
+    """The faces of a surface made of polydata of triangles; None where that does not name any.
 
-    Names that it holds itself go before those given.
+    Names that the polydata holds itself take precedence over `names`.
     """
     array = polydata.GetCellData().GetArray(ID_ARRAY)
     if array is None or array.GetNumberOfComponents() != 1:
@@ -64,7 +64,7 @@ def faces_of_polydata(
 
 
 def set_face_names(polydata: vtkPolyData, names: Mapping[int, str]) -> None:
-    """Add names to the faces of polydata, in place."""
+    """Set the names of the faces of polydata, in place."""
     array = vtkStringArray()
     array.SetName(NAME_ARRAY)
     for number, name in names.items():

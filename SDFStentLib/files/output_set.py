@@ -40,14 +40,14 @@ def lock(descriptor: int, *, waits: bool) -> None:
     Parameters
     ----------
     descriptor : int
-        Of a file that is open for writing and was not read: the place in it is that of the byte.
+        A file that is open for writing and was not read, so that its position is that of the byte.
     waits : bool
-        For whoever holds the lock; Windows gives up after ten seconds.
+        Whether to wait for whoever holds the lock; Windows gives up after ten seconds.
 
     Raises
     ------
     OSError
-        Another one holds the lock, or the file system has none.
+        Another process holds the lock, or the file system has no locks.
     """
     try:
         fcntl = import_module("fcntl")
@@ -62,11 +62,12 @@ _PREFIX = ".sdfstent-"
 _LOCK, _MOVES, _COMMITTED = "lock", "moves.json", "committed"
 _NEW, _OLD = "new", "old"
 _PART = re.compile(rf"{re.escape(_PREFIX)}[0-9a-f]{{12}}(\.\w+)*")
-"""A file that `atomic_path` has begun; `.sdfstent-lock` of a cohort is none."""
+"""Name of a file that `atomic_path` has begun, unlike the `.sdfstent-lock` of a cohort."""
 
 
 class StagingFolder:
-    """What becomes of some names in one folder, beside it until it is moved there.
+    """The new contents of some names in one folder, staged in it until they are moved to their
+    places.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ class StagingFolder:
     """
 
     def __init__(self, parent: Path) -> None:
-        # A run that sweeps at this moment may take the folder, not yet locked, for a dead one's.
+        # A run that sweeps just now may take the folder, not yet locked, for that of a dead run.
         self._lock: int | None = None
         # Ends: at the latest when no other run begins; each sweeps once.
         while self._lock is None:
@@ -86,11 +87,11 @@ class StagingFolder:
             (self.path / name).mkdir()
 
     def staged(self, name: str) -> Path:
-        """Where the new file or folder of this name is written first."""
+        """The path at which the new file or folder of a name is written first."""
         return self.path / _NEW / name
 
     def remove(self) -> None:
-        """Forget everything that lies here."""
+        """Remove the staging folder with everything in it."""
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
@@ -103,12 +104,12 @@ def commit(folders: Mapping[StagingFolder, Iterable[str]]) -> None:
     Parameters
     ----------
     folders : mapping of StagingFolder to names
-        The names that are replaced; one that was not staged is removed.
+        The names that are replaced; a name that was not staged is removed.
 
     Raises
     ------
     InputError
-        Something could not be moved; then all have their old state again.
+        Something could not be moved; then everything has its old state again.
     """
     if not folders:
         return
@@ -132,7 +133,7 @@ def commit(folders: Mapping[StagingFolder, Iterable[str]]) -> None:
 
 
 def sweep(parent: Path) -> None:
-    """Finish or undo what runs that were killed have left in this folder."""
+    """Finish or undo what killed runs have left in a folder."""
     found: list[Path] = []
     with suppress(OSError):  # such as of a name that is too long
         found = sorted(parent.glob(f"{_PREFIX}*"))
@@ -145,7 +146,7 @@ def sweep(parent: Path) -> None:
 
 
 def _settle(path: Path) -> None:
-    """Bring a set of which one staging folder is here to its end, unless its run is alive."""
+    """Finish or undo a set that has a staging folder here, unless its run is alive."""
     if not _is_own(path):
         _remove_empty(path)
         return
@@ -178,7 +179,7 @@ def _settle(path: Path) -> None:
 
 
 def _is_own(path: Path) -> bool:
-    """Whether a run made this staging folder, here, and nothing in it leads elsewhere."""
+    """Whether a run made this staging folder here, with nothing in it that leads elsewhere."""
     try:
         return (
             path.name.startswith(_PREFIX)
@@ -190,12 +191,12 @@ def _is_own(path: Path) -> bool:
 
 
 def _numbers(path: Path) -> list[int]:
-    """Of a staging folder and its lock in the file system."""
+    """Numbers of a staging folder and of its lock in the file system."""
     return [os.lstat(part).st_ino for part in (path, path / _LOCK)]
 
 
 def _remove_empty(path: Path) -> None:
-    """A folder whose run was killed before it wrote into its lock; any other is left alone."""
+    """Remove a folder whose run was killed before it wrote into its lock; leave any other alone."""
     if os.listdir(path) == [_LOCK] and (path / _LOCK).stat().st_size == 0:
         descriptor = _lock_of_the_dead(path / _LOCK)
         if descriptor is None:
@@ -208,7 +209,7 @@ def _remove_empty(path: Path) -> None:
 
 
 def _record(path: Path) -> dict[str, Any]:
-    """What a run wrote of its moves; empty where it did not come to that."""
+    """The record that a run wrote of its moves; empty if it did not get that far."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -225,7 +226,7 @@ def _moves(path: Path) -> dict[str, bool]:
 
 
 def _move(path: Path) -> None:
-    """Move what is new to its place and what is old aside; again, where that was cut off."""
+    """Move new things to their places and old ones aside; it may be repeated if it was cut off."""
     for name, is_new in _moves(path).items():
         target, new, old = path.parent / name, path / _NEW / name, path / _OLD / name
         if is_new and not new.exists():
@@ -245,7 +246,7 @@ def _move(path: Path) -> None:
 
 
 def _take_back(path: Path) -> None:
-    """Put what is old back in its place; again, where that was cut off."""
+    """Put old things back in their places; it may be repeated if it was cut off."""
     for name, is_new in _moves(path).items():
         target, new, old = path.parent / name, path / _NEW / name, path / _OLD / name
         with suppress(OSError):
@@ -256,7 +257,7 @@ def _take_back(path: Path) -> None:
 
 
 def _keep(target: Path, old: Path) -> None:
-    """A second name for a file, or a copy where the file system has no second names."""
+    """Keep a file under a second name, or as a copy where the file system has no second names."""
     if old.exists():
         return
     try:
@@ -268,7 +269,7 @@ def _keep(target: Path, old: Path) -> None:
 
 
 def _write(path: Path, value: object) -> None:
-    """A small file that is whole as soon as it has its name, also after a power cut."""
+    """Write a small file that is whole as soon as it has its name, even after a power cut."""
     part = path.with_name(f"{path.name}.part")
     part.write_text(json.dumps(value), encoding="utf-8")
     flush_to_disk(part)
@@ -284,7 +285,7 @@ def _flush(path: Path) -> None:
 
 
 def _remove(path: Path) -> None:
-    """A staging folder; its lock goes last, for without it the folder is not swept."""
+    """Remove a staging folder; its lock goes last, as without it the folder is not swept."""
     for name in (_NEW, _OLD, _MOVES, _COMMITTED, _LOCK):
         part = path / name
         if part.is_dir():
@@ -296,12 +297,12 @@ def _remove(path: Path) -> None:
 
 
 def _is_old(path: Path) -> bool:
-    """Whether a file that is written in one go was left behind: nobody writes that long."""
+    """Whether a file that is written in one go was left behind: no writing takes that long."""
     return time.time() - path.stat().st_mtime > 3600
 
 
 def _locked(path: Path) -> int | None:
-    """The lock of a new folder, `None` if that was swept away before it was locked."""
+    """The lock of a new folder; `None` if the folder was swept away before it was locked."""
     try:
         descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
     except FileNotFoundError:
@@ -316,7 +317,7 @@ def _locked(path: Path) -> int | None:
 
 
 def _lock_of_the_dead(path: Path) -> int | None:
-    """The lock of a run that is over, `None` while it is alive."""
+    """The lock of a run that is over; `None` while it is alive."""
     descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
     try:
         lock(descriptor, waits=False)

@@ -1,4 +1,4 @@
-"""Files that are a list of others: PVTP and PVTU, with the pieces that they name."""
+"""Files that are a list of others, PVTP and PVTU, with the pieces that they name."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from .content import FileContent, read_content
 from .formats.vtp_markup import parsed_markup
 
 LISTS = {".pvtp": "PPolyData", ".pvtu": "PUnstructuredGrid"}
-"""Suffixes of such files and what these call their data."""
+"""Suffixes of such files, with their names for the kind of data."""
 
 
 def read_with_pieces(path: str | os.PathLike[str]) -> FileContent:
-    """The bytes of a file and, of a list, those of its pieces; its hash is that of all of them.
+    """The bytes of a file and, if it is a list, of its pieces; the hash covers all of them.
 
     Raises
     ------
     InputError
-        As of `read_content`, also for a piece; a list that is damaged, empty, or names a file
+        As for `read_content`, also for a piece; a list that is damaged, empty, or names a file
         that lies neither beside it nor in a folder there.
     """
     content = read_content(path)

@@ -43,7 +43,7 @@ def surface_from_polydata(
     Parameters
     ----------
     polydata : vtkPolyData
-        Not modified; see `triangulated_polydata` for one with other cells.
+        Polydata, not modified; see `triangulated_polydata` for one with other cells.
     name : str
         What to call it in messages.
     scale : float
@@ -52,13 +52,13 @@ def surface_from_polydata(
     Returns
     -------
     Surface
-        A copy, made of the cells of the polydata but for ghosts and outer sides of walls; see its
+        A copy made of the cells of the polydata, without ghosts and outer sides of walls; see its
         `cells`.
 
     Raises
     ------
     InputError
-        Other cells than triangles, none but ghosts, an index without a point, NaN or infinity.
+        Cells other than triangles, only ghosts, an index without a point, NaN or infinity.
     """
     cells = polygons_from_polydata(polydata, name)
     count = len(cells.offsets) - 1
@@ -87,7 +87,7 @@ def _coordinates(polydata: vtkPolyData) -> Points:
 
 
 def polygons_from_polydata(polydata: vtkPolyData, name: str = "surface") -> Cells:
-    """The polygons as offsets and corners; `InputError` when they do not fit together."""
+    """The polygons as offsets and corners; `InputError` if they do not fit together."""
     return cells_from_array(polydata.GetPolys(), polydata.GetNumberOfPoints(), name)
 
 
@@ -96,8 +96,8 @@ def lines_from_polydata(
 ) -> tuple[Points, tuple[NDArray[np.int64], ...]]:
     """Points (n, 3) and the lines, each as point indices in the order of its cell.
 
-    The order of the points in the list says nothing: SlicerVMTK stores them against the
-    direction of the line. Other cells than lines are left out.
+    The order of the stored points has no meaning: SlicerVMTK stores them against the direction of
+    the line. Cells other than lines are left out.
 
     Raises
     ------
@@ -110,9 +110,9 @@ def lines_from_polydata(
 
 
 def inscribed_radius_from_polydata(polydata: vtkPolyData) -> NDArray[np.float64] | None:
-    """Inscribed radius (n,) of a centerline's points in its own unit; `None` without the array.
+    """Inscribed radius (n,) of a centerline's points in its own unit; `None` if it has no array.
 
-    NaN where the array holds no positive number.
+    It is NaN where the array holds no positive number.
     """
     for array_name in RADIUS_ARRAYS:
         array = polydata.GetPointData().GetArray(array_name)
@@ -190,7 +190,7 @@ def add_arrays(
 
 
 def frame_of_polydata(polydata: vtkPolyData) -> Frame | None:
-    """The frame that the field array `SPACE` names, as Slicer writes it; `None` without."""
+    """The frame that the field array `SPACE` names, as Slicer writes it, or `None`."""
     array = polydata.GetFieldData().GetAbstractArray(_SPACE)
     if not isinstance(array, vtkStringArray) or array.GetNumberOfValues() == 0:
         return None
@@ -208,7 +208,7 @@ def set_frame_of_polydata(polydata: vtkPolyData, frame: Frame | None) -> None:
 
 
 def cells_from_array(array: vtkCellArray | None, point_count: int, name: str) -> Cells:
-    """Cells as offsets and corners, copies; `InputError` when they do not fit together."""
+    """Cells as copied offsets and corners; `InputError` if they do not fit together."""
     if array is None or array.GetNumberOfCells() == 0:
         return Cells(np.zeros(1, np.int64), np.zeros(0, np.int64))
     # The copy, because newer VTK keeps cells of one size without an array of offsets.

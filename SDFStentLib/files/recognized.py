@@ -1,4 +1,4 @@
-"""What a file is by its first bytes, whatever its name says."""
+"""What kind of file it is, judged by its first bytes, whatever its name says."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from pathlib import Path
 from typing import NamedTuple
 
 HEAD = 4096
-"""Bytes that are looked at."""
+"""Number of first bytes that are looked at."""
 
 
-class Kind(NamedTuple):
-    """What a file seems to be."""
+class FileKind(NamedTuple):
+    """The kind that a file seems to be of."""
 
     words: str
-    """With its article."""
+    """Words for the kind, with their article."""
     suffix: str = ""
-    """Under which it would be read; empty where it would not."""
+    """Suffix under which it would be read; empty if it would not."""
     todo: str = "convert it"
-    """What to do with one that is not read."""
+    """Advice for a file that is not read."""
 
     @property
     def advice(self) -> str:
-        """What to do where its name says something else."""
+        """Advice for a file whose name says something else."""
         return f"name it {self.suffix}" if self.suffix else self.todo
 
 
@@ -35,38 +35,38 @@ _EXPORT = "export the segment as a model (.vtp)"
 MODEL = (
     f"make a surface of the vessel's lumen from it, in 3D Slicer: Segment Editor, then {_EXPORT}"
 )
-"""What to do with an image."""
+"""Advice for an image."""
 _SEGMENTED = f"in 3D Slicer, Segmentations, {_EXPORT}"
 _GZIP = b"\x1f\x8b"
 _UNPACK = "unpack it"
 _EXTRACT = "extract its surface and save that as .vtp"
 _AS_STL = "save its surface as .stl"
 
-_BEGINNINGS: tuple[tuple[bytes, Kind], ...] = (
-    (rb"# vtk DataFile", Kind("a legacy VTK file", ".vtk")),
-    (rb"ply\r?\n", Kind("a PLY file", ".ply")),
-    (rb"\s*(ST|C|N|4|n)*OFF\b", Kind("an OFF file", ".off")),
-    (rb"\s*solid\b", Kind("an STL file", ".stl")),
-    (rb"(\s|#.*\n)*(v|vt|vn|o|g|mtllib|usemtl)[ \t]+\S.*\n", Kind("an OBJ file", ".obj")),
-    (rb"\x89HDF\r\n\x1a\n(?s:.*)VTKHDF", Kind("a VTKHDF file", ".vtkhdf")),
-    (rb"\x89HDF\r\n\x1a\n", Kind("an HDF5 file", todo=_EXTRACT)),
-    (rb"\$MeshFormat", Kind("a gmsh mesh", todo=_AS_STL)),
-    (rb"\s*MeshVersionFormatted", Kind("a Medit mesh", todo=_AS_STL)),
-    (rb"glTF", Kind("a glTF file", todo=_AS_STL)),
-    (rb"PK", Kind("a ZIP archive", todo=_UNPACK)),
-    (rb"\x1f\x8b", Kind("a compressed file", todo=_UNPACK)),
-    (rb"\s*[\[{]", Kind("a JSON file")),
-    (rb"(<\?xml(?s:.*))?<Xdmf\b", Kind("an XDMF file", todo=_EXTRACT)),
-    (rb"<\?xml", Kind("another XML file")),
+_BEGINNINGS: tuple[tuple[bytes, FileKind], ...] = (
+    (rb"# vtk DataFile", FileKind("a legacy VTK file", ".vtk")),
+    (rb"ply\r?\n", FileKind("a PLY file", ".ply")),
+    (rb"\s*(ST|C|N|4|n)*OFF\b", FileKind("an OFF file", ".off")),
+    (rb"\s*solid\b", FileKind("an STL file", ".stl")),
+    (rb"(\s|#.*\n)*(v|vt|vn|o|g|mtllib|usemtl)[ \t]+\S.*\n", FileKind("an OBJ file", ".obj")),
+    (rb"\x89HDF\r\n\x1a\n(?s:.*)VTKHDF", FileKind("a VTKHDF file", ".vtkhdf")),
+    (rb"\x89HDF\r\n\x1a\n", FileKind("an HDF5 file", todo=_EXTRACT)),
+    (rb"\$MeshFormat", FileKind("a gmsh mesh", todo=_AS_STL)),
+    (rb"\s*MeshVersionFormatted", FileKind("a Medit mesh", todo=_AS_STL)),
+    (rb"glTF", FileKind("a glTF file", todo=_AS_STL)),
+    (rb"PK", FileKind("a ZIP archive", todo=_UNPACK)),
+    (rb"\x1f\x8b", FileKind("a compressed file", todo=_UNPACK)),
+    (rb"\s*[\[{]", FileKind("a JSON file")),
+    (rb"(<\?xml(?s:.*))?<Xdmf\b", FileKind("an XDMF file", todo=_EXTRACT)),
+    (rb"<\?xml", FileKind("another XML file")),
 )
 
 _XML = {
-    "PolyData": Kind("a VTK XML file", ".vtp"),
-    "UnstructuredGrid": Kind("a VTK XML file", ".vtu"),
-    "PPolyData": Kind("a VTK XML file in several pieces", ".pvtp"),
-    "PUnstructuredGrid": Kind("a VTK XML file in several pieces", ".pvtu"),
-    "Collection": Kind("a list of files (.pvd)", todo="name one of them"),
-    "vtkMultiBlockDataSet": Kind("a list of blocks (.vtm)", todo="name one of its files"),
+    "PolyData": FileKind("a VTK XML file", ".vtp"),
+    "UnstructuredGrid": FileKind("a VTK XML file", ".vtu"),
+    "PPolyData": FileKind("a VTK XML file in several pieces", ".pvtp"),
+    "PUnstructuredGrid": FileKind("a VTK XML file in several pieces", ".pvtu"),
+    "Collection": FileKind("a list of files (.pvd)", todo="name one of them"),
+    "vtkMultiBlockDataSet": FileKind("a list of blocks (.vtm)", todo="name one of its files"),
 }
 _TYPE = re.compile(rb"<VTKFile\b[^>]*?(?:\btype\s*=\s*[\"']([A-Za-z]+)[\"']|>)")
 
@@ -81,15 +81,15 @@ _IMAGE_NAMES = {
 _SEGMENTATION = ".seg.nrrd"
 _NIFTI_MAGICS = {344: (b"n+1\0", b"ni1\0"), 4: (b"n+2\0", b"ni2\0")}
 _MOST_OF_FOLDER = 20
-"""Files of a folder that are looked at."""
+"""Number of files of a folder that are looked at."""
 
 
-def recognized(head: bytes) -> Kind | None:
-    """What a file is that begins so; `None` where that tells nothing."""
+def recognized(head: bytes) -> FileKind | None:
+    """The kind of a file with this beginning; `None` if that does not show it."""
     found = _TYPE.search(head)
     if found:
         kind = (found[1] or b"PolyData").decode()
-        return _XML.get(kind, Kind(f"VTK's {kind}", todo=_EXTRACT))
+        return _XML.get(kind, FileKind(f"VTK's {kind}", todo=_EXTRACT))
     for pattern, known in _BEGINNINGS:
         if re.match(pattern, head):
             return known
@@ -97,7 +97,7 @@ def recognized(head: bytes) -> Kind | None:
 
 
 def in_words(head: bytes) -> str:
-    """The same for a message."""
+    """The kind of a file with this beginning, and advice, for a message."""
     kind = recognized(head)
     if kind is None:
         return f"a file that begins with {head[:12]!r}"
@@ -105,7 +105,7 @@ def in_words(head: bytes) -> str:
 
 
 def image_in(path: Path, head: bytes) -> str:
-    """What kind of image a file is by content or name, and what to do; empty where it is none."""
+    """The kind of image that a file is by content or name, and advice; empty if it is none."""
     kind, name = _image_kind(head), path.name.lower()
     if not kind and recognized(head) in (None, recognized(_GZIP)):
         kind = next((words for end, words in _IMAGE_NAMES.items() if name.endswith(end)), "")
@@ -115,7 +115,7 @@ def image_in(path: Path, head: bytes) -> str:
 
 
 def has_images(folder: Path) -> bool:
-    """Whether a folder seems to hold series of DICOM images."""
+    """Whether a folder seems to hold a series of DICOM images."""
     return any(_image_kind(head) == "DICOM" for head in _heads(folder))
 
 

@@ -1,4 +1,4 @@
-"""Do a surface and a centerline belong together: unit, frame, and size."""
+"""Whether a surface and a centerline belong together, by unit, frame and size."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..units import flipped
 from ..validation import InputError, Points, as_points
 
 UNIT_FACTORS = (10.0, 0.1, 1000.0, 0.001)
-"""What separates millimetres from centimetres and metres, both ways."""
+"""Factors between millimeters, centimeters and meters, both ways."""
 
 _SAMPLES = 150  # centerline points that are tested
 _ENOUGH_INSIDE = 0.5
@@ -31,7 +31,7 @@ _LOOKS = 15  # places of the line at which it is looked round
 _AROUND, _CANCELS = 3.0, 0.4  # times the nearest; half a sphere of directions leaves 0.5
 
 
-class _Fit(NamedTuple):
+class _SpaceFit(NamedTuple):
     factor: float
     is_flipped: bool
     inside_fraction: float
@@ -46,8 +46,8 @@ def check_same_space(
 ) -> tuple[Caution, ...]:
     """Check that a centerline or an axis lies inside a surface, open or closed.
 
-    Inside is as `Surface.contains` has it. Ends that stick out of a vessel are tolerated, unless
-    they tell of another unit or frame: nearly all would be inside then.
+    Inside means `Surface.contains`. Ends that stick out of a vessel are tolerated, unless another
+    unit or frame would explain them by bringing nearly all of the line inside.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def check_same_space(
     Returns
     -------
     tuple of Caution
-        One when a part of the centerline is outside, otherwise empty.
+        A single caution if a part of the centerline is outside, otherwise empty.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def check_same_space(
 def _goes_round(surface: Surface, places: Points) -> bool:
     """Whether there is surface on all sides of most of some places (k, 3), as round a hole.
 
-    The directions to it, by the angle that it takes up, cancel each other; beside it they do not.
+    Round a hole, directions to the surface, weighted by solid angle, cancel; beside it they do not.
     """
     middles, normals = surface.points[surface.triangles].mean(axis=1), surface.face_normals
     count = 0
@@ -107,7 +107,7 @@ def _goes_round(surface: Surface, places: Points) -> bool:
 
 
 def check_joined(surface: Surface, name: str) -> None:
-    """`InputError` for triangles of which no two share a point: they bound no vessel."""
+    """Raise `InputError` for triangles of which no two share a point: they bound no vessel."""
     parts, triangles = surface.topology.component_count, len(surface.triangles)
     if 1 < triangles == parts:
         raise InputError(
@@ -118,7 +118,7 @@ def check_joined(surface: Surface, name: str) -> None:
 
 
 def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Caution, ...]:
-    """Whether a surface has not the size of a vessel in millimetres.
+    """A caution if a surface does not have the size of a vessel in millimeters.
 
     The extent is the longest side of its box; the lumen of a closed surface is measured by
     four times volume over area, the diameter of a long tube.
@@ -131,7 +131,7 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Cauti
     if surface.topology.is_closed:
         area = float(surface.face_areas.sum())
         volume = abs(signed_volume(points, surface.wound_triangles))
-        # What holds nothing, such as a sheet that is there twice, has no width.
+        # A surface that encloses nothing, such as a doubled sheet, has no width.
         lumen = 4 * volume / area if volume > _NO_VOLUME * area * extent else None
     is_odd = not _SMALLEST_EXTENT <= extent <= _LARGEST_EXTENT
     if lumen is not None:
@@ -144,8 +144,8 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Cauti
     return (Caution("unusual-size", {**numbers, "lumen_mm": lumen}, label=f"{name}: "),)
 
 
-def _best_fit(surface: Surface, centers: Points) -> _Fit | None:
-    """The other unit or frame in which most lies inside; None where in none half of it does."""
+def _best_fit(surface: Surface, centers: Points) -> _SpaceFit | None:
+    """The other unit or frame with the most points inside; None if none has half of them."""
     extent, fits = float(np.ptp(surface.points, axis=0).max()), []
     for factor, is_flipped in product((1.0, *UNIT_FACTORS), (False, True)):
         if factor == 1.0 and not is_flipped:
@@ -153,24 +153,24 @@ def _best_fit(surface: Surface, centers: Points) -> _Fit | None:
         if factor < 1.0 and factor * np.ptp(centers, axis=0).max() < _SMALLEST_PART * extent:
             continue
         moved = flipped(factor * centers) if is_flipped else factor * centers
-        fits.append(_Fit(factor, is_flipped, float(surface.contains(moved).mean())))
+        fits.append(_SpaceFit(factor, is_flipped, float(surface.contains(moved).mean())))
     # The first of equals: one change rather than two.
     best = max(fits, key=lambda fit: (fit.inside_fraction, fit.factor == 1.0, not fit.is_flipped))
     return best if best.inside_fraction >= _ENOUGH_INSIDE else None
 
 
-def _explains(best: _Fit | None, inside: float) -> bool:
-    """Whether the other unit or frame brings nearly all inside, and most of what is outside here.
+def _explains(best: _SpaceFit | None, inside: float) -> bool:
+    """Whether another unit or frame brings nearly all inside, and most of what is outside here.
 
-    In a vessel that looks the same from both sides both frames fit about as well: then the one that
-    the files name holds.
+    In a vessel that looks the same from both sides both frames fit about equally well: then the one
+    that the files name holds.
     """
     if best is None or best.inside_fraction < _NEARLY_ALL:
         return False
     return 2 * (1 - best.inside_fraction) < 1 - inside
 
 
-def _explained(best: _Fit | None) -> InputError:
+def _explained(best: _SpaceFit | None) -> InputError:
     if best is None:
         return InputError(
             "it lies elsewhere, and neither other units nor the other frame (RAS, LPS) explain "

@@ -1,4 +1,4 @@
-"""Surfaces from files, with everything that the file holds besides."""
+"""Surfaces from files, with everything else that the files hold."""
 
 from __future__ import annotations
 
@@ -40,25 +40,25 @@ _PLAIN_DECODERS: dict[str, Decoder] = {
 
 @dataclass(frozen=True)
 class SurfaceFile:
-    """A surface as a file has it.
+    """A surface as its file has it.
 
     Attributes
     ----------
     surface : Surface
-        In mm and in the frame of the file.
+        The surface in mm and in the frame of the file.
     units : str
-        Unit of the file, `"mm"`, `"cm"` or `"m"`; what is written is in it again.
+        Unit of the file, `"mm"`, `"cm"` or `"m"`, in which it is written again.
     frame : "RAS", "LPS" or None
-        What the file's SPACE tag says; `None` without one.
+        Frame that the file's SPACE tag names; `None` without one.
     path : Path
     sha256 : str
-        Of the file's bytes, hexadecimal.
+        Hash of the file's bytes, hexadecimal.
     coordinate_type : numpy dtype
         Precision of the coordinates in the file, float32 or float64.
     warnings : tuple of Caution
-        What was changed in reading, what looks wrong.
+        Changes that were made in reading, and what looks wrong.
     face_names : mapping of int to str
-        From the SimVascular model (.mdl) of the same name beside the file.
+        Names from the SimVascular model (.mdl) of the same name beside the file.
     """
 
     surface: Surface
@@ -83,12 +83,12 @@ class SurfaceFile:
 
     @property
     def precision(self) -> Precision:
-        """How the file holds coordinates."""
+        """Type and unit of the coordinates in the file."""
         return Precision(self.coordinate_type, 1 / millimeters_per(self.units))
 
     @property
     def faces(self) -> NamedFaces | None:
-        """The parts of the model, where the file tells them."""
+        """The parts of the model, if the file names them."""
         return faces_of_polydata(self._polydata, self.surface, self.face_names)
 
     def polydata(self) -> vtkPolyData:
@@ -108,10 +108,10 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
     """Read a surface in one of `SURFACE_FORMATS`; legacy VTK and VTU may be unstructured grids.
 
     Polygons and strips are cut into triangles, vertices and lines dropped, each with a warning;
-    points without a triangle and degenerate triangles stay. Equal corners of STL become one
-    point, and several solids of it the faces of the model; of other formats points that lie on
-    each other at a seam count as one, and come back as they were, as ghost cells do. Of several
-    steps of time the first is read.
+    points without a triangle and degenerate triangles stay. In STL equal corners become one point,
+    and several solids become the faces of the model. In other formats points that lie on each other
+    at a seam count as one; they are written as they were, and so are ghost cells. The first of
+    several time steps is read.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def _read_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None, tup
     except InputError as error:
         if kind is None or kind.suffix == content.suffix:
             raise
-        # What is read well is what its name says, whatever its first bytes could be, too.
+        # A file that can be read is what its name says, whatever its first bytes resemble.
         raise InputError(
             f"{content.path}: expected what its name says, got {kind.words}; {kind.advice}."
         ) from error

@@ -1,4 +1,4 @@
-"""Surfaces into files: what moved is written, everything else is what was read."""
+"""Surfaces into files: moved points are written, everything else is as it was read."""
 
 from __future__ import annotations
 
@@ -49,18 +49,18 @@ def write_surface(
     Parameters
     ----------
     path : path
-        The suffix says the format: .vtp, .vtk, .stl, .ply or .obj.
+        File to write; the suffix sets the format: .vtp, .vtk, .stl, .ply or .obj.
     surface : SurfaceFile
     points : array_like, shape (n, 3)
-        Where its points are now, mm.
+        Current places of its points, mm.
     point_arrays, cell_arrays : mapping of name to array, optional
-        More arrays to write, replacing those of the same name. Of cells that are no triangle of
-        the surface, such as ghosts, the value is NaN, or 0.
+        Further arrays to write, replacing those of the same name. Cells that are no triangle of
+        the surface, such as ghosts, get NaN, or 0.
 
     Returns
     -------
     tuple of Caution
-        What this format cannot keep.
+        Contents that this format cannot keep.
 
     Raises
     ------
@@ -91,18 +91,18 @@ def _for_all_cells(
 
 
 def _own_triangles(polydata: vtkPolyData) -> Triangles:
-    """Those of the file, with seams as it has them."""
+    """Triangles of the file, with seams as it has them."""
     return polygons_from_polydata(polydata).corners.reshape(-1, 3)
 
 
 def check_surface_output(path: str | os.PathLike[str]) -> Path:
-    """The file that `write_surface` would replace; `InputError` early where it could not."""
+    """The file that `write_surface` would replace; `InputError` if it could not."""
     check_suffix(as_path(path), "a surface", WRITTEN_SUFFIXES)
     return check_writable(path)
 
 
 def _with_points(surface: SurfaceFile, points: ArrayLike) -> vtkPolyData:
-    """New polydata in the unit of the file: the surface with points moved, normals recomputed."""
+    """New polydata in the unit of the file, with points moved and normals recomputed."""
     after = as_points(points, "points")
     if len(after) != len(surface.points):
         raise InputError(
@@ -159,9 +159,9 @@ def _encode_solids(
     cell_arrays: dict[str, NDArray[Any]],
     lost: list[str],
 ) -> _Encoded | None:
-    """STL with a solid for each face of the model where they came so.
+    """STL with a solid for each face of the model, if it was read like that.
 
-    Else not: programs such as trimesh do not join what stands in several solids.
+    Otherwise not: programs such as trimesh do not join parts that are in several solids.
     """
     faces, ids = surface.faces, cell_arrays.get(ID_ARRAY)
     if faces is None or ids is None or surface.path.suffix.lower() != ".stl":
@@ -209,15 +209,15 @@ def refresh_normals(
 
     Normals arrays are the active normals and three-component arrays of unit length that are
     called normals. Data type and side are those of the stored normals: a stored normal that
-    looked against the winding of its triangles still does. Rows that no moved triangle touches
+    pointed against the winding of its triangles still does. Rows that no moved triangle touches
     keep their bits; rows without a normal (no area around) keep what they had.
 
     Parameters
     ----------
     polydata : vtkPolyData
-        Its arrays are modified. Cell i is triangle i.
+        Polydata whose arrays are modified. Cell i is triangle i.
     old_points, new_points : (n, 3) arrays
-        Before and after, in any one unit.
+        Points before and after, in any one unit.
     triangles : (m, 3) array
     """
     point_normals = _normals_arrays(polydata.GetPointData())

@@ -15,12 +15,13 @@ from ..validation import InputError, Points, Triangles
 from .polydata import cell_array, cells_from_array, points_from_polydata, polygons_from_polydata
 
 MOST_CORNERS = 1000
-"""Of a polygon: caps of vessels have some hundred at most. The thin triangles of a polygon all lie
-beside each other, so that the work of every check of them goes with the square of their number."""
+"""Most corners of a polygon: caps of vessels have some hundred at most. The thin triangles of a
+polygon all lie beside each other, so that the work of checking them grows with the square of their
+number."""
 
 
 class Triangulated(NamedTuple):
-    """Polydata of nothing but triangles, and what had to be changed."""
+    """Polydata of nothing but triangles, and cautions about the changes made."""
 
     polydata: vtkPolyData
     warnings: tuple[Caution, ...]
@@ -29,9 +30,8 @@ class Triangulated(NamedTuple):
 def triangulated_polydata(polydata: vtkPolyData, name: str = "surface") -> Triangulated:
     """The surface with its polygons and strips cut into triangles.
 
-    Vertices and lines are dropped, points without a cell stay. Every array is kept: that of a
-    polygon is carried to each of its triangles. Polydata that has only triangles comes back as
-    it is.
+    Vertices and lines are dropped, points without a cell stay. Every array is kept: the value of a
+    polygon goes to each of its triangles. Polydata that has only triangles is returned as it is.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def triangulated_polydata(polydata: vtkPolyData, name: str = "surface") -> Trian
     Raises
     ------
     InputError
-        No polygon at all, one of more than `MOST_CORNERS`, or an index without a point.
+        No polygon at all, one with more than `MOST_CORNERS`, or an index without a point.
     """
     warnings = []
     sizes = np.diff(polygons_from_polydata(polydata, name).offsets)
@@ -92,7 +92,7 @@ def _cut_into_triangles(polydata: vtkPolyData, name: str) -> vtkPolyData:
 def _cut_polygons(polydata: vtkPolyData, name: str) -> tuple[Triangles, NDArray[np.int64]]:
     """Triangles of the polygons, concave ones too, and the polygon of each.
 
-    Not by VTK's filter: that of 9.6 mixes up the data of cells where it drops some.
+    VTK's filter is not used: that of 9.6 mixes up cell data where it drops cells.
     """
     points = points_from_polydata(polydata, name)
     offsets, corners = polygons_from_polydata(polydata)
@@ -110,7 +110,7 @@ def _cut_polygons(polydata: vtkPolyData, name: str) -> tuple[Triangles, NDArray[
 
 
 def _cut_quads(points: Points, quads: NDArray[np.int64]) -> Triangles:
-    """Two triangles of each quad, along the shorter diagonal that lies inside of it."""
+    """Two triangles for each quad, along the shorter diagonal that lies inside of it."""
     halves = [quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [0, 1, 3, 1, 2, 3]]]
     is_inside, length = [], []
     for half, (start, end) in zip(halves, ((0, 2), (1, 3)), strict=True):
@@ -134,7 +134,7 @@ def _cut_polygon(points: Points, corners: NDArray[np.int64]) -> Triangles:
     if polygon.EarCutTriangulation(found) and found.GetNumberOfIds() == 3 * (len(corners) - 2):
         ids = [found.GetId(position) for position in range(found.GetNumberOfIds())]
         return corners[np.array(ids, dtype=np.int64)].reshape(-1, 3)
-    # No plane polygon without crossings: a fan at least keeps the surface closed.
+    # This is no plane polygon without crossings: a fan at least keeps the surface closed.
     first = np.full(len(corners) - 2, corners[0])
     return np.stack([first, corners[1:-1], corners[2:]], axis=1)
 

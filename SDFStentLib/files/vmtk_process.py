@@ -1,4 +1,4 @@
-"""What runs in a process of its own to extract a centerline: the only file that knows VMTK.
+"""Program that extracts a centerline in a process of its own: the only file that knows VMTK.
 
 VMTK writes to the screen and ends its process on some surfaces; arrays go in and out by files.
 """
@@ -18,7 +18,7 @@ RADIUS = RADIUS_ARRAYS[0]
 
 
 def main(question: str, answer: str) -> None:
-    """Read a surface with the ends of its vessel, write the lines between them."""
+    """Read a surface with the ends of its vessel; write the lines between them."""
     from vmtk import vtkvmtk
 
     with np.load(question) as data:
@@ -31,7 +31,7 @@ def main(question: str, answer: str) -> None:
     # The radius is the weight: the line keeps to the middle (Antiga et al., IEEE TMI 2003).
     search.SetCostFunction("1/R")
     search.SetRadiusArrayName(RADIUS)
-    # It wants a name for each, whether it is looked at or not.
+    # VMTK wants a name for each array, whether it is used or not.
     search.SetEikonalSolutionArrayName("EikonalSolution")
     search.SetEdgeArrayName("EdgeArray")
     search.SetEdgePCoordArrayName("EdgePCoordArray")
@@ -40,7 +40,7 @@ def main(question: str, answer: str) -> None:
     search.Update()
     found = search.GetOutput()
     points, lines = lines_from_polydata(found)
-    # VMTK goes back from the target, the cells begin at the source all the same.
+    # VMTK searches back from the target, but the cells begin at the source.
     np.savez(
         answer,
         points=points,

@@ -1,4 +1,4 @@
-"""What runs in a process of its own to read VTKHDF: VTK's reader, which trusts its file."""
+"""Program that reads VTKHDF in a process of its own: VTK's reader, which trusts its file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from vtkmodules.vtkIOHDF import vtkHDFReader
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from .formats.vtk_quiet import vtk_messages
-from .formats.vtkhdf import ANSWER, TOLD
+from .formats.vtkhdf import ANSWER, FINDINGS
 
 _WRITERS = {
     "vtkPolyData": vtkXMLPolyDataWriter,
@@ -21,12 +21,12 @@ _WRITERS = {
 }
 
 _ROOM, _EXPANSION = 2 * 2**30, 64
-"""Bytes of memory that the process may have, and more for each byte of the file: compressed, a mesh
-is a tenth of itself at best."""
+"""Memory that the process may use, bytes, and further bytes for each byte of the file: compression
+makes a mesh ten times smaller at best."""
 
 
 def main(path: str, folder: str) -> None:
-    """Read a file, write its first step as XML without compression, and what was found."""
+    """Read a file; write its first step as uncompressed XML, and what was found."""
     _limit_memory(os.path.getsize(path))
     with vtk_messages() as messages:
         reader = vtkHDFReader()
@@ -37,7 +37,7 @@ def main(path: str, folder: str) -> None:
         reader.Update()
         found = reader.GetOutputDataObject(0)
     kind = "nothing" if found is None else found.GetClassName()
-    told = {
+    findings = {
         "kind": kind,
         "steps": len(times or ()),
         "time": f"{times[0]:g}" if times else "",
@@ -53,7 +53,7 @@ def main(path: str, folder: str) -> None:
         writer.SetHeaderTypeToUInt64()
         if not writer.Write():
             sys.exit(1)
-    Path(folder, TOLD).write_text(json.dumps(told), encoding="utf-8")
+    Path(folder, FINDINGS).write_text(json.dumps(findings), encoding="utf-8")
 
 
 def _limit_memory(size: int) -> None:

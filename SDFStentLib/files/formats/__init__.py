@@ -1,4 +1,4 @@
-"""VTK's formats and those of markups and models, one file for each: bytes to arrays, and back."""
+"""VTK's formats and those of markups and models, one file each: bytes to arrays, and back."""
 
 from .markups import decode_markups as decode_markups
 from .markups import encode_markups as encode_markups

@@ -1,4 +1,4 @@
-"""Cells of an unstructured grid as those of polydata: a surface in it, or what it is instead.
+"""Cells of an unstructured grid as cells of polydata if it is a surface; else what it is instead.
 
 Source: VTK's file formats, its numbers of cell types.
 """
@@ -15,12 +15,12 @@ from ...validation import InputError
 from .stored_polydata import CELL_KINDS, ArrayGroup, Damage, StoredArray
 
 PIXEL = 8
-"""A quad whose corners do not go round it."""
+"""Type of a quad whose corners are stored row by row, not round it."""
 
 _PLAIN = {1: "Verts", 2: "Verts", 3: "Lines", 4: "Lines", 5: "Polys", 6: "Strips", 7: "Polys",
           PIXEL: "Polys", 9: "Polys"}  # fmt: skip
 _SIZES = {1: 1, 3: 2, 5: 3, PIXEL: 4, 9: 4}
-"""Corners of cells that always have as many."""
+"""Numbers of corners of cells that always have as many."""
 
 _VOLUMES = {10: "tetrahedra", 11: "voxels", 12: "hexahedra", 13: "wedges", 14: "pyramids",
             15: "prisms", 16: "prisms", 41: "points in convex hulls", 42: "polyhedra",
@@ -32,7 +32,7 @@ _HIGHER = {21: "lines", 22: "triangles", 23: "quads", 28: "quads", 30: "quads", 
 
 
 class GridCells(NamedTuple):
-    """Cells by the names of `CELL_KINDS`, and which cell of the grid each of them is in turn."""
+    """Cells by the names of `CELL_KINDS`, and the cell of the grid that each of them is."""
 
     cells: dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]
     order: NDArray[np.int64]
@@ -48,7 +48,7 @@ def polydata_cells(
     types : (m,) array of integers
         VTK's numbers of kinds of cells.
     offsets, corners : (m + 1,) and (k,) arrays
-        As of `Cells` in `polydata`; checked.
+        As in `Cells` of `polydata`; checked already.
     name : str
         What to call the file in messages.
 
@@ -92,7 +92,7 @@ def _reordered(array: StoredArray, order: NDArray[np.int64]) -> StoredArray:
 
 def _check_kinds(types: NDArray[Any], name: str) -> None:
     kinds, counts = (found.tolist() for found in np.unique(types, return_counts=True))
-    # Those with a volume tell most, lines least: VTK's numbers rise with the dimension.
+    # Cells with a volume say most, lines least: VTK's numbers rise with the dimension.
     found = dict(zip(reversed(kinds), reversed(counts), strict=True))
     volumes = [f"{found[kind]} {_VOLUMES[kind]}" for kind in found if kind in _VOLUMES]
     if volumes:

@@ -1,4 +1,4 @@
-"""A place in a legacy VTK file that moves on with every word and number that is taken."""
+"""A cursor in a legacy VTK file that advances with every word and number taken."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_DIGITS = 15
 
 
 class LegacyCursor:
-    """Reads a file from a place on.
+    """Reads words and numbers of a file from a given place on.
 
     Parameters
     ----------
@@ -40,11 +40,11 @@ class LegacyCursor:
         return found[1].decode("latin-1")
 
     def next_is(self, word: str) -> bool:
-        """Whether the next word is this one, in any case."""
+        """Whether the next word is a given one, in upper or lower case."""
         return self._match()[1].upper() == word.encode()
 
     def skip(self, word: str) -> bool:
-        """Take the next word if it is this one."""
+        """Take the next word if it is a given one; return whether it was."""
         is_next = self.next_is(word)
         return is_next and bool(self.word())
 
@@ -56,7 +56,7 @@ class LegacyCursor:
         return unquote_to_bytes(word.encode("latin-1")).decode("utf-8", "surrogateescape")
 
     def count(self) -> int:
-        """The next word as a number from 0."""
+        """The next word as a number that is 0 or more."""
         word = self.word()
         if not (word.isascii() and word.isdigit() and len(word) <= _MOST_DIGITS):
             raise Damage(f"expected a number from 0, got {in_short(word) if word else 'the end'}")
@@ -87,7 +87,7 @@ class LegacyCursor:
         return values
 
     def colors(self, count: int) -> NDArray[np.uint8]:
-        """The next parts of colors: bytes, in text numbers from 0 to 1."""
+        """The next color components: bytes, or in text numbers from 0 to 1."""
         if not self._is_text:
             return self.numbers(count, "u1")
         values = self.numbers(count, "f4")
@@ -96,7 +96,7 @@ class LegacyCursor:
         return (values * np.float32(255) + np.float32(0.5)).astype(np.uint8)
 
     def strings(self, count: int) -> list[bytes]:
-        """The next texts: a line each, or with their lengths before them."""
+        """The next texts: one a line, or each after its length."""
         if count > len(self._data) - self._at:
             raise Damage(f"expected {count} texts, got the end of the file")
         self._end_line()
@@ -105,7 +105,7 @@ class LegacyCursor:
         return [self._counted_string() for _ in range(count)]
 
     def metadata(self, components: int) -> dict[int, str]:
-        """The names of components; whatever else stands up to the next empty line is left out."""
+        """The names of components; anything else up to the next empty line is left out."""
         names: dict[int, str] = {}
         self._end_line()
         # Ends: every line moves on in the data.
@@ -130,7 +130,7 @@ class LegacyCursor:
         return found
 
     def _words(self, count: int) -> bytes:
-        """The text of the next words, without looking at each."""
+        """The text of the next words, without looking at each of them."""
         if count == 0:
             return b""
         first = int(np.searchsorted(self._word_starts, self._at))
@@ -151,7 +151,7 @@ class LegacyCursor:
         return self._data[self._at - size : self._at]
 
     def _end_line(self) -> None:
-        """Go behind the end of the line of a header."""
+        """Advance to the line after that of a header."""
         if self._at < len(self._data) and self._line().strip():
             raise Damage("expected the end of a line, got more words")
 
@@ -165,7 +165,7 @@ class LegacyCursor:
         return self._data[start : len(self._data) if end < 0 else end].rstrip(b"\r")
 
     def _counted_string(self) -> bytes:
-        """A text after its length in 1, 2, 4 or 8 bytes; the first two bits say in how many."""
+        """A text after its length in 1, 2, 4 or 8 bytes; its first two bits encode how many."""
         if self._at >= len(self._data):
             raise Damage("expected another text, got the end of the file")
         width = (8, 4, 2, 1)[self._data[self._at] >> 6]

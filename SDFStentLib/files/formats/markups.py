@@ -13,7 +13,7 @@ from ...validation import InputError, Points, as_patient_points
 from ..content import FileContent
 
 POINTS_PER_INTERVAL = 10
-"""Points of a curve from one control point to the next, as Slicer shows it."""
+"""Number of points of a curve from one control point to the next, as Slicer shows it."""
 
 _CURVES = ("Curve", "Line")
 _SCHEMA = (
@@ -23,7 +23,7 @@ _SCHEMA = (
 
 
 class MarkupsCurves(NamedTuple):
-    """The curves of a file in its unit and frame, and which these are."""
+    """The curves of a file, in the unit and frame that it names."""
 
     curves: list[Points]
     frame: Frame | None
@@ -36,12 +36,12 @@ def decode_markups(content: FileContent) -> MarkupsCurves:
     A curve is the cubic spline through its control points with ten points from one to the next
     and no speed at its ends: what Slicer shows after loading the file. Control points that are
     not placed (`positionStatus`) are skipped. Radii among the measurements are not used:
-    Slicer's centerline tools may shift them by one point, and the surface tells them.
+    Slicer's centerline tools may shift them by one point, and the surface has them anyway.
 
     Raises
     ------
     InputError
-        Not such a file, another markup than an open curve or line, less than two points,
+        Not such a file, a markup other than an open curve or line, less than two points,
         coordinates that are no numbers, or curves in different frames or units.
     """
     name = str(content.path)
@@ -74,7 +74,7 @@ def encode_markups(curves: list[Points], original: bytes) -> bytes:
 
 
 def new_markups(curve: Points, frame: Frame | None, units: str) -> bytes:
-    """A markups file of one curve through these points."""
+    """A markups file with one curve through some points."""
     points = [
         {"id": str(number), "position": position, "positionStatus": "defined"}
         for number, position in enumerate(curve.tolist(), start=1)
@@ -134,14 +134,14 @@ def _is_place(point: dict[str, Any]) -> bool:
 
 
 def _is_placed(point: Any) -> bool:
-    """Whether a point was put somewhere; Slicer's places of others are empty texts, or old ones."""
+    """Whether a point was placed; positions of others are empty texts, or outdated ones."""
     if not isinstance(point, dict) or point.get("position") in ("", None, []):
         return False
     return bool(point.get("positionStatus", "defined") == "defined")
 
 
 def _unit(markup: dict[str, Any]) -> str:
-    """The unit as a word; coded entries have it first: `["mm", "UCUM", "millimeter"]`."""
+    """The unit as a word; a coded entry has it first: `["mm", "UCUM", "millimeter"]`."""
     unit = markup.get("coordinateUnits", "mm")
     return str(unit[0] if isinstance(unit, list) and unit else unit)
 

@@ -1,7 +1,7 @@
 """Names of faces from a SimVascular model file (.mdl), parsed within limits.
 
 SimVascular writes an element `format` in front of the element `model`: two roots, which no XML
-document has. An element is put round both.
+document has. An outer element is put round both.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from xml.parsers import expat
 from ...validation import InputError
 
 LARGEST = 2**22
-"""Bytes; a model of a thousand faces takes a twentieth."""
+"""Largest file, bytes; a model of a thousand faces takes a twentieth."""
 
 _DEEPEST = 20
 _DECLARATION = re.compile(rb"\A(?:\xef\xbb\xbf)?\s*(?:<\?xml[^>]{0,200}\?>)?")
@@ -37,7 +37,7 @@ def mdl_face_names(data: bytes, name: str) -> dict[int, str]:
     """
     if len(data) > LARGEST:
         raise _refused(name, f"more than {LARGEST} bytes")
-    reader = _Reader(name)
+    reader = _FaceReader(name)
     parser = expat.ParserCreate("utf-8")
     parser.StartElementHandler, parser.EndElementHandler = reader.start, reader.end
     parser.StartDoctypeDeclHandler = reader.doctype
@@ -50,8 +50,8 @@ def mdl_face_names(data: bytes, name: str) -> dict[int, str]:
     return reader.names
 
 
-class _Reader:
-    """Takes the attributes of `face` in `faces`, wherever in a model these are."""
+class _FaceReader:
+    """Collects the attributes of every `face` in `faces`, wherever in a model these are."""
 
     def __init__(self, name: str) -> None:
         self.name, self.has_model = name, False

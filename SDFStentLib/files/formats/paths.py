@@ -14,24 +14,24 @@ from ...validation import InputError, Points, as_patient_points
 from ..content import FileContent
 
 _FRAMES = {"0": "RAS", "1": "LPS", "RAS": "RAS", "LPS": "LPS"}
-"""Slicer writes a number in old lists, and a name in new ones."""
+"""Frames by what Slicer writes for them: a number in old lists, a name in new ones."""
 
 _PLACED = {"2", ""}
-"""Of the field `status`, which old lists have not: others are not placed, or not any more."""
+"""Values of the field `status` of placed points; old lists lack that field."""
 
 
 class PlainLine(NamedTuple):
-    """One line in the unit of its file."""
+    """The only line of a file, in its unit."""
 
     points: Points
-    """(n, 3)"""
+    """(n, 3) points."""
     frame: Frame | None
 
 
 def decode_pth(content: FileContent) -> PlainLine:
-    """The points of a path of SimVascular, of its first step of time.
+    """The points of a path of SimVascular, at its first time step.
 
-    The file has two elements at the top, `format` and `path`: no XML document, but each of them is.
+    The file has two top elements, `format` and `path`: it is no XML document, but each of them is.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def decode_pth(content: FileContent) -> PlainLine:
 
 
 def decode_fcsv(content: FileContent) -> PlainLine:
-    """The placed points of a list of Slicer, in their order.
+    """The placed points of a point list of Slicer, in their order.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Polydata as a VTK file has it, in NumPy; what the strict readers of both formats return."""
+"""Polydata as a VTK file has it, in NumPy: what the strict readers of both formats return."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from ...cautions import Caution
 
 CELL_KINDS = ("Verts", "Lines", "Polys", "Strips")
-"""In the order in which polydata counts its cells."""
+"""Kinds of cells in the order in which polydata numbers its cells."""
 
 
 class Kind(NamedTuple):
-    """How values are stored: VTK's class of arrays, and the numbers in NumPy ("" for text)."""
+    """How values are stored: VTK's array class, and the NumPy type of the numbers."""
 
     vtk_class: str
     dtype: str
@@ -32,13 +32,13 @@ class Kind(NamedTuple):
 
 
 class Damage(ValueError):
-    """What is wrong with a file, as the second half of a sentence."""
+    """The fault of a file, as the second half of a sentence."""
 
 
 def check_cells(offsets: NDArray[np.int64], corners: NDArray[np.int64], point_count: int) -> None:
-    """`Damage` for offsets that do not rise to the number of corners, and corners without a point.
+    """Raise `Damage` for offsets that do not rise to the number of corners, or corners of no point.
 
-    Parameters as of `Cells` in `polydata`.
+    Parameters are as in `Cells` of `polydata`.
     """
     if offsets[0] != 0 or offsets[-1] != len(corners) or (np.diff(offsets) < 0).any():
         raise Damage(f"expected offsets that rise to {len(corners)}, got others")
@@ -52,9 +52,9 @@ def check_cells(offsets: NDArray[np.int64], corners: NDArray[np.int64], point_co
 def cells_of_list(
     listed: NDArray[np.int64], count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Cells of the old form, where the number of corners stands before the corners of each.
+    """Cells from the old form, in which each has its number of corners before the corners.
 
-    Offsets and corners as of `Cells` in `polydata`; `Damage` where the numbers are no such cells.
+    Offsets and corners are as in `Cells` of `polydata`; `Damage` if the numbers are no such cells.
     """
     width = len(listed) // count if count else 0
     if count and width * count == len(listed) and (listed[::width] == width - 1).all():
@@ -75,7 +75,7 @@ def cells_of_list(
 
 
 def first_of_steps(steps: int, time: str, name: str) -> Caution:
-    """What to say of a file with several steps of time, of which the first is read."""
+    """A caution about a file with several time steps, of which the first is read."""
     return Caution("first-of-steps", {"steps": steps, "time": time}, label=f"{name}: ")
 
 
@@ -96,7 +96,7 @@ class StoredArray:
     components : int
         The k above.
     component_names : dict of int to str
-        Those that have one.
+        Names of the components that have one.
     """
 
     name: str | None
@@ -106,19 +106,19 @@ class StoredArray:
     component_names: dict[int, str] = field(default_factory=dict)
 
     def without_last(self) -> StoredArray:
-        """The same without its last row."""
+        """The array without its last row."""
         return replace(self, values=self.values[: -self.components or None])
 
 
 @dataclass(frozen=True)
 class ArrayGroup:
-    """The arrays of the points, the cells or the whole, and which of them has which role.
+    """The arrays of the points, of the cells or of the whole, and their roles.
 
     Attributes
     ----------
     arrays : list of StoredArray
     roles : dict of str to str
-        Such as `{"Normals": "name of an array"}`, in VTK's words.
+        Name of the array for each role, in VTK's words, such as `{"Normals": "name"}`.
     tables : dict of str to array, shape (m, 4), uint8
         Lookup tables (red, green, blue, opacity) by the name of the array that is shown so.
     """
@@ -130,17 +130,17 @@ class ArrayGroup:
 
 @dataclass(frozen=True)
 class StoredPolydata:
-    """Everything of a file.
+    """Everything that a file of polydata holds.
 
     Attributes
     ----------
     points : StoredArray
-        Three components.
+        Coordinates, with three components.
     cells : dict of str to (offsets, corners)
-        By the names of `CELL_KINDS`; offsets (m + 1,) and corners are int64, and fit together.
+        Cells by the names of `CELL_KINDS`; offsets (m + 1,) and corners are int64 and fit together.
     point_data, cell_data, field_data : ArrayGroup
     cautions : tuple of Caution
-        What of the file is not in it.
+        Contents of the file that are left out.
     """
 
     points: StoredArray

@@ -1,4 +1,4 @@
-"""Numbers written as text: every one of them whole, and in the range of its type."""
+"""Numbers written as text, each checked to be whole and in the range of its type."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 _LONGEST = 100
-"""Bytes at the end of a text in which its last word is looked for."""
+"""Number of bytes at the end of a text in which its last word is searched."""
 
 
 def numbers_in(text: bytes, kind: DTypeLike) -> NDArray[Any]:
@@ -52,7 +52,7 @@ def numbers_in(text: bytes, kind: DTypeLike) -> NDArray[Any]:
 def _integers(text: bytes, dtype: np.dtype[Any]) -> NDArray[Any]:
     wide = np.dtype(np.uint64 if dtype == np.uint64 else np.int64)
     numbers = _parsed(text, wide)
-    # What is too large comes as the largest that there is, and a negative one turned around.
+    # A number that is too large becomes the largest of its type, and a negative one wraps around.
     is_largest = len(numbers) and numbers.max() == np.iinfo(wide).max
     is_least = len(numbers) and wide.kind == "i" and numbers.min() == np.iinfo(wide).min
     if is_largest or is_least or (wide.kind == "u" and b"-" in text):
@@ -88,7 +88,7 @@ def _is_number(word: bytes, kind: str) -> bool:
 
 
 def _is_whole(text: bytes, count: int) -> bool:
-    """Whether a text has this many words, without making them."""
+    """Whether a text has a given number of words, without making them."""
     is_blank = np.frombuffer(text, np.uint8) <= ord(" ")
     starts = np.count_nonzero(is_blank[:-1] & ~is_blank[1:]) + int(not is_blank[0])
     return bool(starts == count)

@@ -45,7 +45,8 @@ _COMPONENTS = {
     "Vectors": (3,), "Normals": (3,), "TCoords": (1, 2, 3), "Tensors": (6, 9),
     "GlobalIds": (1,), "PedigreeIds": (1,), "EdgeFlag": (1,), "Tangents": (3,),
 }  # fmt: skip
-"""How many numbers an array may have for a role; VTK complains about others on the screen."""
+"""Numbers of components that an array may have for a role; VTK complains about others on the
+screen."""
 
 
 def polydata_from_stored(stored: StoredPolydata) -> vtkPolyData:
@@ -111,21 +112,21 @@ def _lookup_table(colors: NDArray[np.uint8]) -> vtkLookupTable:
 
 
 _LEVEL = 1
-"""Of compression: half of the time that VTK's own 5 takes, for 3 % more bytes."""
+"""Level of compression: it takes half the time of VTK's default 5, for 3 % more bytes."""
 
 
 class ReadPolydata(NamedTuple):
-    """What a file of VTK holds."""
+    """The contents of a file of VTK."""
 
     polydata: vtkPolyData
     frame: Frame | None
-    """That its tag names."""
+    """Frame that its tag names."""
     cautions: tuple[Caution, ...]
-    """What of the file is not in it."""
+    """Cautions about contents of the file that are left out."""
 
 
 def read_vtk_polydata(content: FileContent) -> ReadPolydata:
-    """Polydata of a file of one of VTK's formats; an unstructured grid that is a surface, too.
+    """Polydata from a file in one of VTK's formats; an unstructured grid may be a surface, too.
 
     Parameters
     ----------
@@ -136,7 +137,7 @@ def read_vtk_polydata(content: FileContent) -> ReadPolydata:
     Raises
     ------
     InputError
-        Not such a file, other data than a surface or lines, cut short or damaged.
+        Not such a file, data other than a surface or lines, cut short or damaged.
     """
     name = str(content.path)
     if content.suffix == ".vtk":
@@ -155,11 +156,11 @@ _DECODERS: dict[str, Callable[[FileContent], StoredPolydata]] = {
     ".pvtu": lambda content: decode_pieces(content.pieces, GRID),
     ".vtkhdf": decode_vtkhdf,
 }
-"""VTK's formats of today; the legacy one has a title beside."""
+"""Decoders of VTK's current formats; the legacy one has a title as well."""
 
 
 def encode_vtp(polydata: vtkPolyData) -> bytes:
-    """VTP, binary, appended and compressed."""
+    """Encode polydata as VTP: binary, appended and compressed."""
     writer = vtkXMLPolyDataWriter()
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
@@ -174,7 +175,7 @@ def encode_vtu(
     point_arrays: Mapping[str, NDArray[Any]],
     cell_arrays: Mapping[str, NDArray[Any]],
 ) -> bytes:
-    """Tetrahedra (t, 4) as VTU, as `encode_vtp`."""
+    """Encode tetrahedra (t, 4) as VTU, in the manner of `encode_vtp`."""
     grid = vtkUnstructuredGrid()
     grid.SetPoints(polydata_from_arrays(points, tetrahedra[:, :3]).GetPoints())
     grid.SetCells(VTK_TETRA, cell_array(4 * np.arange(len(tetrahedra) + 1), tetrahedra.ravel()))
@@ -188,7 +189,7 @@ def encode_vtu(
 
 
 def encode_legacy(polydata: vtkPolyData, title: str) -> bytes:
-    """Legacy VTK, binary; the title names the frame.
+    """Encode polydata as binary legacy VTK; the title names the frame.
 
     Ids beyond 32 bits are written as 64-bit integers, in the same role.
     """
@@ -202,7 +203,8 @@ def encode_legacy(polydata: vtkPolyData, title: str) -> bytes:
 
 
 def _written(writer: Any, data_set: vtkPointSet, result: str) -> bytes:
-    """What a writer makes, in memory: so that a full disk is noticed by who writes the file."""
+    """The output of a writer, kept in memory, so that the writer of the file notices
+    a full disk."""
     writer.SetInputData(data_set)
     writer.SetWriteToOutputString(True)
     with vtk_messages() as messages:
@@ -216,7 +218,7 @@ def _written(writer: Any, data_set: vtkPointSet, result: str) -> bytes:
 
 
 def _with_long_ids(polydata: vtkPolyData) -> vtkPolyData:
-    """A copy whose long ids are integers: of VTK's type for ids, legacy files keep 32 bits."""
+    """A copy whose long ids are integers; legacy files keep only 32 bits of VTK's id type."""
     copy = vtkPolyData()
     copy.ShallowCopy(polydata)
     for data in (copy.GetPointData(), copy.GetCellData(), copy.GetFieldData()):
@@ -233,7 +235,7 @@ def _is_wide(array: vtkIdTypeArray) -> bool:
 
 
 def _replace_array(data: vtkFieldData, index: int, array: vtkIdTypeArray) -> None:
-    """Put the numbers of an array as 64-bit integers in its place, and in its role."""
+    """Replace an array by its numbers as 64-bit integers, in its place and in its role."""
     numbers = vtkLongLongArray()
     numbers.DeepCopy(array)
     has_role = isinstance(data, vtkDataSetAttributes)

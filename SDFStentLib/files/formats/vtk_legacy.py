@@ -1,6 +1,6 @@
 """Legacy VTK polydata and grids that are surfaces, versions 1 to 5, text or binary, read strictly.
 
-Source: VTK's file formats, "Simple legacy formats". A file is a row of blocks; each says what
+Source: VTK's file formats, "Simple legacy formats". A file is a row of blocks; each announces what
 follows it, and all of that must be there.
 """
 
@@ -74,7 +74,7 @@ _MOST_COMPONENTS = 10_000
 
 
 def decode_legacy(data: bytes, name: str) -> StoredPolydata:
-    """Read legacy VTK polydata, or an unstructured grid of such cells, with every array.
+    """Decode legacy VTK polydata, or an unstructured grid of such cells, with every array.
 
     Parameters
     ----------
@@ -86,8 +86,7 @@ def decode_legacy(data: bytes, name: str) -> StoredPolydata:
     Raises
     ------
     InputError
-        Not such a file, other data than polydata, cut short, damaged, or with a block that is
-        not known.
+        Not such a file, data other than polydata, cut short, damaged, or with an unknown block.
     """
     lines = data.split(b"\n", 3)
     if not data.startswith(b"# vtk DataFile"):
@@ -101,13 +100,13 @@ def decode_legacy(data: bytes, name: str) -> StoredPolydata:
         )
     start = len(data) - len(lines[3])
     try:
-        return _Reader(LegacyCursor(data, start, is_text=coding == b"ASCII"), name).polydata()
+        return _LegacyReader(LegacyCursor(data, start, is_text=coding == b"ASCII"), name).polydata()
     except Damage as error:
         raise InputError(f"{name}: {error}; the file is damaged, write it again.") from error
 
 
-class _Reader:
-    """Takes one block after the other."""
+class _LegacyReader:
+    """Reads one block of a file after the other."""
 
     def __init__(self, cursor: LegacyCursor, name: str) -> None:
         self._cursor, self._name = cursor, name

@@ -1,4 +1,4 @@
-"""What VTK does for the readers: its errors collected, not shown on the screen, and LZ4 blocks."""
+"""VTK's part in the readers: its errors, collected instead of shown, and its LZ4 blocks."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _MESSAGES_LOCK = threading.RLock()
 
 @contextmanager
 def vtk_messages() -> Iterator[list[str]]:
-    """Collect the errors of VTK in a list instead of on the screen, warnings are swallowed.
+    """Collect the errors of VTK in a list instead of showing them; warnings are dropped.
 
-    The window and the log level are those of before when the block ends. One block at a time:
-    other threads wait.
+    The previous window and log level are restored when the block ends. Only one block runs at a
+    time: other threads wait.
     """
     messages: list[str] = []
 
@@ -55,7 +55,7 @@ _LARGEST_EXPANSION = 255
 
 
 def from_lz4(packed: bytes, size: int) -> bytes:
-    """The `size` bytes of a block; `ValueError` when it holds others."""
+    """The `size` bytes of an LZ4 block; `ValueError` if it holds another number."""
     if not packed or size > _LARGEST_EXPANSION * len(packed):
         raise ValueError(f"{len(packed)} bytes cannot hold {size}")
     with vtk_messages():

@@ -1,4 +1,4 @@
-"""VTKHDF, read by VTK in a process of its own: a damaged file ends that one, and nothing else."""
+"""VTKHDF, read by VTK in a process of its own, which a damaged file may end without harm."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from .vtp import decode_grid, decode_vtp
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 
 TIME_LIMIT = 300.0
-"""s; 100 MB take about one."""
+"""Time limit, s; 100 MB take about one second."""
 
-ANSWER, TOLD = "surface.xml", "told.json"
-"""Files of the process: the surface as VTK's XML, and what it is."""
+ANSWER, FINDINGS = "surface.xml", "findings.json"
+"""Files that the process writes: the surface as VTK's XML, and what the file holds."""
 
 
 def decode_vtkhdf(content: FileContent) -> StoredPolydata:
@@ -30,7 +30,7 @@ def decode_vtkhdf(content: FileContent) -> StoredPolydata:
     Raises
     ------
     InputError
-        Damaged, cut short, other data than polydata or a grid that is a surface.
+        Damaged, cut short, or data other than polydata or a grid that is a surface.
     """
     name = str(content.path)
     if not content.data.startswith(_HDF5):
@@ -42,10 +42,10 @@ def decode_vtkhdf(content: FileContent) -> StoredPolydata:
             done = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT, check=False)
         except subprocess.TimeoutExpired as error:
             raise _unread(name, f"no answer in {TIME_LIMIT:g} s") from error
-        told, answer = Path(folder, TOLD), Path(folder, ANSWER)
-        if done.returncode or not told.is_file():
+        findings, answer = Path(folder, FINDINGS), Path(folder, ANSWER)
+        if done.returncode or not findings.is_file():
             raise _unread(name, f"VTK ended with code {done.returncode}")
-        known = json.loads(told.read_text(encoding="utf-8"))
+        known = json.loads(findings.read_text(encoding="utf-8"))
         if known["errors"]:
             raise _unread(name, known["errors"])
         if not answer.is_file():

@@ -1,4 +1,4 @@
-"""VTP and surfaces in VTU, VTK's XML, read strictly: whole and consistent, or a sentence."""
+"""VTP, and surfaces in VTU, VTK's XML, read strictly: whole and consistent, or refused."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ from .stored_polydata import (
 from .vtp_arrays import encoding_of, read_array, whole_number
 from .vtp_bytes import Encoding
 from .vtp_markup import Element, parsed_markup
-from .vtp_pieces import Cells, Piece, joined
+from .vtp_pieces import Cells, StoredPiece, joined
 
 POLYDATA, GRID = "PolyData", "UnstructuredGrid"
 SUFFIXES = {POLYDATA: "VTP", GRID: "VTU"}
-"""What files are called by the data in them."""
+"""Names of the file formats by the data in them."""
 
 
 def decode_vtp(data: bytes, name: str) -> StoredPolydata:
-    """Read VTP: text, inline or appended, every compressor of VTK, one piece or several.
+    """Decode VTP: text, inline or appended, every compressor of VTK, one piece or several.
 
-    Of several steps of time the first is read, and told.
+    The first of several time steps is read, with a caution.
 
     Parameters
     ----------
@@ -49,23 +49,23 @@ def decode_vtp(data: bytes, name: str) -> StoredPolydata:
     Raises
     ------
     InputError
-        Not VTP, other data than polydata, cut short or damaged.
+        Not VTP, data other than polydata, cut short or damaged.
     """
     return _decoded([(data, name)], POLYDATA)
 
 
 def decode_grid(data: bytes, name: str) -> StoredPolydata:
-    """The same of VTU, an unstructured grid that is a surface; `InputError` for a volume."""
+    """Decode VTU, an unstructured grid that is a surface; `InputError` for a volume."""
     return _decoded([(data, name)], GRID)
 
 
 def decode_pieces(files: Iterable[FileContent], kind: str) -> StoredPolydata:
-    """Several files as one, all of polydata or of grids (`kind`); else as `decode_vtp`."""
+    """Decode several files of polydata or of grids (`kind`) as one; else as `decode_vtp`."""
     return _decoded([(file.data, str(file.path)) for file in files], kind)
 
 
 def _decoded(files: list[tuple[bytes, str]], kind: str) -> StoredPolydata:
-    pieces: list[Piece] = []
+    pieces: list[StoredPiece] = []
     fields: list[ArrayGroup] = []
     cautions: list[Caution] = []
     name = files[0][1]
@@ -76,7 +76,7 @@ def _decoded(files: list[tuple[bytes, str]], kind: str) -> StoredPolydata:
                 raise InputError(
                     f"{name}: expected {kind}, got {markup.kind}; extract its surface."
                 )
-            read = _Reader(encoding_of(markup, data), name, kind).contents(markup.root)
+            read = _VtpReader(encoding_of(markup, data), name, kind).contents(markup.root)
             pieces += read.pieces
             fields.append(read.fields)
             cautions += read.cautions
@@ -87,13 +87,13 @@ def _decoded(files: list[tuple[bytes, str]], kind: str) -> StoredPolydata:
 
 
 class _Contents(NamedTuple):
-    pieces: list[Piece]
+    pieces: list[StoredPiece]
     fields: ArrayGroup
     cautions: list[Caution]
 
 
 @dataclass(frozen=True)
-class _Reader:
+class _VtpReader:
     encoding: Encoding
     name: str
     kind: str
@@ -112,13 +112,13 @@ class _Reader:
         cautions = [first_of_steps(len(times), times[0], self.name)] if len(times) > 1 else []
         return _Contents(pieces, fields[0] if fields else ArrayGroup(), cautions)
 
-    def _piece(self, piece: Element) -> Piece:
+    def _piece(self, piece: Element) -> StoredPiece:
         counts = piece.attributes
         point_count = whole_number(counts, "NumberOfPoints", 0)
         points = self._points(_only(piece, "Points"), point_count)
         point_data = self._group(_only(piece, "PointData"), point_count)
         if self.kind == GRID:
-            return Piece(points, *self._grid(piece, point_count, point_data))
+            return StoredPiece(points, *self._grid(piece, point_count, point_data))
         cells = {
             kind: self._cells(
                 _only(piece, kind), whole_number(counts, f"NumberOf{kind}", 0), point_count
@@ -126,7 +126,7 @@ class _Reader:
             for kind in CELL_KINDS
         }
         cell_count = sum(len(offsets) - 1 for offsets, _ in cells.values())
-        return Piece(
+        return StoredPiece(
             points,
             cells,
             point_data,
@@ -136,7 +136,7 @@ class _Reader:
     def _grid(
         self, piece: Element, point_count: int, point_data: ArrayGroup
     ) -> tuple[dict[str, Cells], ArrayGroup, ArrayGroup]:
-        """Cells, data of the points and data of the cells, in the order of polydata."""
+        """Cells, point data and cell data of a grid, in the order of polydata."""
         count = whole_number(piece.attributes, "NumberOfCells", 0)
         section = _only(piece, "Cells")
         offsets, corners = self._cells(section, count, point_count)
@@ -220,10 +220,10 @@ def _only(piece: Element, tag: str) -> Element | None:
 
 
 def _first_step(body: Element, steps: int) -> Element:
-    """Only what belongs to the first step of time.
+    """The body with only what belongs to the first time step.
 
-    VTK writes appended arrays with the step of each into the same pieces. Into a file without
-    appended data it writes the pieces anew for every step, and calls all of them step 0.
+    VTK writes appended arrays, each with its step, into the same pieces. In a file without appended
+    data it repeats the pieces for every step, and calls all of them step 0.
     """
     pieces = list(body.all_of("Piece"))
     arrays = [array for piece in pieces for section in piece.children for array in section.children]

@@ -42,20 +42,20 @@ def encoding_of(markup: Markup, data: bytes) -> Encoding:
 
 
 def read_array(element: Element, count: int | None, encoding: Encoding) -> StoredArray:
-    """One array.
+    """Decode one array.
 
     Parameters
     ----------
     element : Element
         `DataArray` or `Array`.
     count : int or None
-        Rows that it must have; `None` where the file may choose.
+        Number of rows that it must have; `None` where the file may choose.
     encoding : Encoding
 
     Raises
     ------
     Damage
-        Unknown type or format, or other data than announced.
+        Unknown type or format, or data other than announced.
     """
     words = element.attributes
     kind = _kind(words)
@@ -79,7 +79,7 @@ def read_array(element: Element, count: int | None, encoding: Encoding) -> Store
 
 
 def whole_number(words: dict[str, str], key: str, default: int) -> int:
-    """A number of the markup that is no less than 0; `Damage` for anything else."""
+    """A number of the markup that is 0 or more; `Damage` for anything else."""
     text = words.get(key, "").strip() or str(default)
     if not (text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS):
         raise Damage(f"expected a number from 0 as {key}, got {in_short(text)}")
@@ -104,7 +104,7 @@ def _kind(words: dict[str, str]) -> Kind:
 def _values(
     element: Element, kind: Kind, needed: int | None, encoding: Encoding
 ) -> NDArray[Any] | list[bytes]:
-    """All values of an array in a row."""
+    """All values of an array, in a single row."""
     form = element.attributes.get("format", "ascii")
     if form == "ascii":
         return _from_text("".join(element.texts), kind)

@@ -1,7 +1,7 @@
 """The bytes of a VTP file's arrays: raw or as base64, compressed or not.
 
-Source: VTK's file formats, "XML". Nothing is allocated because a number in the file says so: what
-is announced is compared with the bytes that are there, and with what the mesh needs.
+Source: VTK's file formats, "XML". No memory is allocated because a number in the file says so:
+announced sizes are compared with the bytes that are there, and with what the mesh needs.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ class Encoding:
     ----------
     order : "<" or ">"
     word : numpy dtype
-        Of the numbers before an array.
+        Type of the numbers before an array.
     decompress : function of (bytes, size) or None
-        Makes `size` bytes of one block, or raises `ValueError`.
+        Function that makes `size` bytes of one block, or raises `ValueError`.
     markup : Markup
-        Where the appended bytes are.
+        The parsed file, with the place of the appended bytes.
     data : bytes
         The whole file.
     """
@@ -45,14 +45,14 @@ class Encoding:
 
 
 class StoredBytes:
-    """Bytes of one array, read one part after the other: raw, or as base64."""
+    """The bytes of one array, raw or as base64, read one part after the other."""
 
     def __init__(self, data: bytes, start: int, end: int | None, is_raw: bool) -> None:
         self._data, self._at, self._is_raw = data, start, is_raw
         self._end = len(data) if end is None else end
 
     def content(self, encoding: Encoding, size: int | None) -> bytes:
-        """What the array holds, after the words that stand before it: `size` bytes if given."""
+        """The contents of the array, after the words before it: `size` bytes if that is given."""
         word = encoding.word
         first = self._peek(word.itemsize)
         number = int(np.frombuffer(first, word)[0])
@@ -70,7 +70,7 @@ class StoredBytes:
         return self._unpacked(header, encoding.decompress)
 
     def _plain(self, size: int, before: int) -> bytes:
-        """Bytes that are not compressed; their size is coded alone, or together with them."""
+        """Uncompressed bytes; their size is coded on its own or together with them."""
         padding = b"=" * (-before % 3)
         end = self._at + 4 * -(-before // 3)
         if not self._is_raw and self._data[self._at : end].endswith(padding):
@@ -125,7 +125,8 @@ def _compare(announced: int, size: int | None) -> None:
 
 
 def _from_zlib(packed: bytes, size: int) -> bytes:
-    """At most one byte more than announced, so that little data cannot fill the memory."""
+    """Decompressed bytes, at most one more than announced, so that little data cannot fill the
+    memory."""
     engine = zlib.decompressobj()
     found = engine.decompress(packed, size + 1)
     if not engine.eof and len(found) == size:
@@ -144,7 +145,7 @@ def _from_lzma(packed: bytes, size: int) -> bytes:
 
 
 def _from_lz4(packed: bytes, size: int) -> bytes:
-    """Imported late: VTK has the only LZ4 at hand, and few files need it."""
+    """Decompressed bytes; imported late, as VTK has the only LZ4 at hand and few files need it."""
     from .vtk_quiet import from_lz4
 
     return from_lz4(packed, size)

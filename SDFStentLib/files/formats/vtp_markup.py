@@ -22,7 +22,7 @@ _PARENTS = {
     **dict.fromkeys(_SECTIONS, ("Piece",)),
     **dict.fromkeys(_ARRAYS, ("FieldData", *_SECTIONS)),
 }
-"""The elements that are read, and where they stand; all others are skipped."""
+"""Elements that are read, with the elements that may hold them; all others are skipped."""
 
 _CHUNK = 2**20
 _LONGEST_TAG = 2 * _CHUNK  # bytes that the parser may keep without making anything of them
@@ -36,7 +36,7 @@ _CLOSING = re.compile(rb"</AppendedData\s*>\s*</VTKFile\s*>\Z")
 
 @dataclass
 class Element:
-    """One element that is read: its attributes, its children, and its own text."""
+    """An element that is read: its attributes, its children, and its own text."""
 
     tag: str
     attributes: dict[str, str]
@@ -44,12 +44,12 @@ class Element:
     texts: list[str] = field(default_factory=list)
 
     def all_of(self, *tags: str) -> Iterator[Element]:
-        """The children of these names."""
+        """The children with some tags."""
         return (child for child in self.children if child.tag in tags)
 
 
 class Markup(NamedTuple):
-    """A parsed file: its root, and where its appended bytes are (`start` 0 without)."""
+    """A parsed file: its root, and the place of its appended bytes (`start` is 0 without any)."""
 
     root: Element
     start: int
@@ -58,7 +58,7 @@ class Markup(NamedTuple):
 
     @property
     def kind(self) -> str:
-        """Of data, as the file calls it."""
+        """Kind of data, as the file calls it."""
         return in_short(self.root.attributes.get("type", "none"))[1:-1]
 
 
@@ -72,7 +72,7 @@ def parsed_markup(data: bytes, name: str, suffix: str) -> Markup:
     name : str
         What to call it in messages.
     suffix : str
-        VTP or VTU, as it should be.
+        The expected format, VTP or VTU.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def parsed_markup(data: bytes, name: str, suffix: str) -> Markup:
 
 
 class _Parser:
-    """Keeps the elements that are read in a tree, and counts all of them."""
+    """Collects the elements that are read in a tree, and counts all elements."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -120,7 +120,7 @@ class _Parser:
         self._parser = parser
 
     def root_of(self, data: bytes, *, is_all: bool) -> Element:
-        """The root element; what is not all of the file must end inside of the root."""
+        """The root element; data that are not the whole file must end inside of the root."""
         try:
             for start in range(0, len(data), _CHUNK):
                 chunk = data[start : start + _CHUNK]

@@ -16,7 +16,7 @@ Cells = tuple[NDArray[np.int64], NDArray[np.int64]]
 _NO_POINTS = StoredArray("Points", Kind("vtkFloatArray", "f4"), np.zeros((0, 3), np.float32), 3)
 
 
-class Piece(NamedTuple):
+class StoredPiece(NamedTuple):
     """A part of polydata, with points and cells of its own."""
 
     points: StoredArray | None
@@ -26,17 +26,17 @@ class Piece(NamedTuple):
 
     @property
     def point_count(self) -> int:
-        """How many points it has."""
+        """Number of points of the piece."""
         return 0 if self.points is None else len(self.points.values)
 
     @property
     def cell_counts(self) -> list[int]:
-        """How many cells of each of `CELL_KINDS`."""
+        """Number of cells of each of `CELL_KINDS`."""
         return [len(self.cells[kind][0]) - 1 for kind in CELL_KINDS]
 
 
-def joined(pieces: Sequence[Piece], fields: ArrayGroup) -> StoredPolydata:
-    """One polydata of all pieces: of each kind of cells, those of the first piece come first."""
+def joined(pieces: Sequence[StoredPiece], fields: ArrayGroup) -> StoredPolydata:
+    """One polydata of all pieces; of each kind of cells, those of the first piece come first."""
     first = [sum(piece.point_count for piece in pieces[:number]) for number in range(len(pieces))]
     with_points = [piece for piece in pieces if piece.point_count] or [pieces[0]]
     with_cells = [piece for piece in pieces if sum(piece.cell_counts)] or [pieces[0]]
@@ -60,7 +60,7 @@ def _joined_cells(parts: Sequence[Cells], first: Sequence[int]) -> Cells:
 
 
 def _order_of_cells(counts: list[list[int]]) -> NDArray[np.int64] | None:
-    """Which cell of all pieces, put one behind the other, comes when: kind by kind."""
+    """Order of the cells of all pieces, put one behind the other: kind by kind."""
     if len(counts) == 1:
         return None
     kind = np.concatenate([np.repeat(np.arange(len(CELL_KINDS)), count) for count in counts])

@@ -1,4 +1,4 @@
-"""VTU, VTK's XML of volume meshes, read strictly: tetrahedra in one piece, or a sentence."""
+"""VTU, VTK's XML of volume meshes, read strictly: tetrahedra in one piece, or refused."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from .vtp_bytes import Encoding
 from .vtp_markup import Element, parsed_markup
 
 TETRAHEDRON = 10
-"""VTK's number of this kind of cell."""
+"""VTK's type number of a tetrahedron."""
 
 
 class VolumeArrays(NamedTuple):
-    """A mesh of tetrahedra and what is known at its points."""
+    """A mesh of tetrahedra and the arrays at its points."""
 
     points: Points
-    """(n, 3) in the unit of the file."""
+    """(n, 3) points in the unit of the file."""
     tetrahedra: Indices
-    """(t, 4)"""
+    """(t, 4) corners."""
     arrays: dict[str, Floats]
-    """(n,) or (n, k) of numbers, by name."""
+    """Arrays (n,) or (n, k) of numbers, by name."""
 
 
 def decode_vtu(data: bytes, name: str) -> VolumeArrays:
-    """Read VTU; `name` is what to call it in messages.
+    """Decode VTU; `name` is what to call it in messages.
 
     Raises
     ------
     InputError
-        Not VTU, cut short, damaged, in several pieces, or with other cells than tetrahedra.
+        Not VTU, cut short, damaged, in several pieces, or with cells other than tetrahedra.
     """
     markup = parsed_markup(data, name, "VTU")
     if markup.kind != "UnstructuredGrid":
@@ -69,7 +69,7 @@ def _piece(piece: Element, encoding: Encoding) -> VolumeArrays:
 
 
 def _arrays(piece: Element, tag: str, count: int | None, encoding: Encoding) -> dict[str, Floats]:
-    """The arrays of numbers in a section, by name."""
+    """The numeric arrays in a section, by name."""
     found = {}
     for section in piece.all_of(tag):
         for element in section.all_of("DataArray"):

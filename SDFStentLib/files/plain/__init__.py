@@ -1,4 +1,4 @@
-"""Formats of polygons and little else, one file for each: bytes to arrays, and back."""
+"""Formats of polygons and little else, one file each: bytes to arrays, and back."""
 
 from .obj import decode_obj as decode_obj
 from .obj import encode_obj as encode_obj

@@ -18,20 +18,20 @@ _LOST = {
     b"surf": "free-form surfaces",
 }  # fmt: skip
 _COLORED = 7
-"""Words of a line `v x y z r g b`; a fifth one is a weight."""
+"""Number of words of a line `v x y z r g b`; with five words, the last is a weight."""
 
 _CONTINUED = re.compile(rb"\\\r?\n")
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _INDENT = re.compile(rb"^[ \t]+", re.MULTILINE)
 _HEADER_LINES = 50
-"""In whose comments the frame is looked for."""
+"""Number of first lines in whose comments the frame is searched."""
 
 
 def decode_obj(data: bytes, name: str) -> PlainMesh:
-    """Read the points and polygons of an OBJ file, topology as its indices say.
+    """Decode the points and polygons of an OBJ file, with the topology of its indices.
 
     Corners are joined by point index alone, so that a surface with texture seams or sharp
-    normals stays watertight; what is not kept is named in `warnings`.
+    normals stays watertight; contents that are not kept are named in `warnings`.
 
     `InputError` for a number that is none; else see `Decoder`.
     """
@@ -70,14 +70,14 @@ def decode_obj(data: bytes, name: str) -> PlainMesh:
 
 
 def encode_obj(points: NDArray[np.floating], triangles: Triangles, title: str) -> bytes:
-    """OBJ text with all digits of the points' precision.
+    """Encode OBJ text with all digits of the points' precision.
 
     Parameters
     ----------
     points : array, shape (n, 3), float32 or float64
     triangles : array, shape (m, 3)
     title : str
-        First comment.
+        Text of the first comment.
     """
     pattern = "v %.9g %.9g %.9g\n" if points.dtype == np.float32 else "v %r %r %r\n"
     parts = [f"# {title}\n"]

@@ -22,7 +22,7 @@ _LOST = {b"N": "normals", b"C": "colors", b"ST": "texture coordinates"}
 
 
 def decode_off(data: bytes, name: str) -> PlainMesh:
-    """Read the points and polygons of an OFF file, also of COFF, NOFF and STOFF: a `Decoder`."""
+    """Decode the points and polygons of an OFF file, also of COFF, NOFF and STOFF: a `Decoder`."""
     header = _HEADER.match(data)
     if header is None:
         raise InputError(f"{name}: expected an OFF file, got {in_words(data[:HEAD])}.")
@@ -53,7 +53,7 @@ def decode_off(data: bytes, name: str) -> PlainMesh:
 
 
 def _points(rows: list[bytes]) -> tuple[NDArray[np.float64], bool]:
-    """Coordinates (n, 3), and whether more stands behind them."""
+    """Coordinates (n, 3), and whether anything else stands behind them."""
     words = [row.split(None, 3) for row in rows]
     if any(len(row) < 3 for row in words):
         raise ValueError("a point of fewer numbers")
@@ -63,7 +63,7 @@ def _points(rows: list[bytes]) -> tuple[NDArray[np.float64], bool]:
 
 
 def _polygons(rows: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64], bool]:
-    """Numbers of corners (m,), the corners, and whether more stands behind them."""
+    """Numbers of corners (m,), the corners, and whether anything else stands behind them."""
     words = [row.split() for row in rows]
     sizes = numbers_in(b" ".join(row[0] for row in words), np.int64)
     if len(sizes) and sizes.min() < 3:

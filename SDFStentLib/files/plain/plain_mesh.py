@@ -1,4 +1,4 @@
-"""Polygons as arrays: what the plain formats are read into."""
+"""Polygons as arrays: the result of reading the plain formats."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ class PlainMesh:
     offsets : (m + 1,) array of int64
         Polygon i has the corners `corners[offsets[i]:offsets[i + 1]]`.
     corners : array of int64
-        Indices into the points; not checked.
+        Indices into the points; unchecked.
     point_arrays, cell_arrays : dict of str to array
-        What else the file says of points and polygons.
+        Other values that the file has for points and polygons.
     face_ids : (m,) array of int32 or None
         The part of the model to which every polygon belongs; `None` where it has no parts.
     face_names : dict of int to str
-        Of the parts that have one.
+        Names of the parts that have one.
     text : str
-        Header or comments.
+        Header or comments of the file.
     warnings : tuple of Caution
-        What the file has that is not kept.
+        Contents of the file that are not kept.
     """
 
     points: NDArray[Any]
@@ -48,14 +48,14 @@ class PlainMesh:
 
 
 Decoder = Callable[[bytes, str], PlainMesh]
-"""Reads the whole of a plain file; the text is what to call it in messages.
+"""A function that decodes a whole plain file; the text is what to call it in messages.
 
 `InputError` for bytes that are not of its format, or cut short.
 """
 
 
 def not_kept(contents: Iterable[str], file_format: str, name: str) -> Caution:
-    """What to say of contents of a file that are left behind."""
+    """A caution about contents of a file that are left behind."""
     numbers = {"contents": ", ".join(contents), "format": file_format}
     return Caution("contents-not-kept", numbers, label=f"{name}: ")
 

@@ -12,7 +12,7 @@ from ...cautions import Caution
 from ...validation import InputError, Triangles
 from ..recognized import in_words
 from .plain_mesh import PlainMesh, not_kept
-from .ply_rows import Element, Property, read_element
+from .ply_rows import PlyElement, Property, read_element
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
@@ -28,10 +28,10 @@ _CORNERS = ("vertex_indices", "vertex_index", "n", "corners")  # PLY's and our o
 
 
 def decode_ply(data: bytes, name: str) -> PlainMesh:
-    """Read PLY; every scalar property becomes an array of its own name and type.
+    """Decode PLY; every scalar property becomes an array of its own name and type.
 
     `nx ny nz` become the array `Normals`. Strips of triangles (`tristrips`) are cut. Lists other
-    than the corners are left out, with a warning; so are elements other than these.
+    than the corners are left out, with a warning, and so are elements other than these.
 
     `InputError` for a file without points; else see `Decoder`.
     """
@@ -76,7 +76,7 @@ def decode_ply(data: bytes, name: str) -> PlainMesh:
 
 
 def _lists(element: dict[str, Any], name: str) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Offsets and corners of an element's polygons, taken out of it; none where it has none."""
+    """Offsets and corners of an element's polygons, taken out of it; empty if it has none."""
     for key in ("vertex_indices", "vertex_index"):
         if isinstance(element.get(key), tuple):
             offsets, corners = element.pop(key)
@@ -87,7 +87,7 @@ def _lists(element: dict[str, Any], name: str) -> tuple[NDArray[np.int64], NDArr
 
 
 def _without_lists(element: dict[str, Any]) -> list[str]:
-    """The names of an element's lists, taken out of it: they are no arrays of one number each."""
+    """Names of an element's lists, which are taken out: they are no arrays of one number each."""
     lists = [key for key, values in element.items() if isinstance(values, tuple)]
     for key in lists:
         del element[key]
@@ -97,8 +97,8 @@ def _without_lists(element: dict[str, Any]) -> list[str]:
 def _cut_strips(offsets: NDArray[np.int64], corners: NDArray[np.int64]) -> tuple[Triangles, int]:
     """Triangles (m, 3) of strips, every second one turned, and the number of strips.
 
-    -1 ends a strip within its list. Triangles that only lead from one strip to the next have a
-    corner twice and are left out.
+    A -1 ends a strip within its list. Triangles that only lead from one strip to the next repeat a
+    corner and are left out.
     """
     is_start = np.zeros(len(corners) + 1, dtype=bool)
     is_start[offsets[:-1]] = True
@@ -121,14 +121,14 @@ def encode_ply(
     cell_arrays: dict[str, NDArray[Any]],
     comment: str,
 ) -> bytes:
-    """Binary little-endian PLY.
+    """Encode binary little-endian PLY.
 
     Parameters
     ----------
     points : array, shape (n, 3), float32 or float64
     triangles : array, shape (m, 3)
     point_arrays, cell_arrays : dict of name to array, shapes (n,) and (m,)
-        Only what `fits_ply` accepts; `Normals` (n, 3) of the points is written as `nx ny nz`.
+        Arrays that `fits_ply` accepts; `Normals` (n, 3) of the points become `nx ny nz`.
     comment : str
     """
     vertex = dict(zip("xyz", points.T, strict=True))
@@ -149,7 +149,7 @@ def encode_ply(
 
 
 def fits_ply(name: str, values: NDArray[Any], *, of_points: bool) -> bool:
-    """Whether an array can be a property: one number of a PLY type each, a name of one word."""
+    """Whether an array can be a property: a one-word name, and one number of a PLY type per row."""
     if values.dtype.kind not in "iuf" or values.dtype.str[1:] not in _NAMES:
         return False
     if of_points and name == "Normals" and values.shape[1:] == (3,):
@@ -175,7 +175,7 @@ def _ply_name(dtype: np.dtype[Any]) -> str:
     return _NAMES[dtype.str[1:]]
 
 
-def _header(data: bytes, name: str) -> tuple[str, list[Element], list[str], int]:
+def _header(data: bytes, name: str) -> tuple[str, list[PlyElement], list[str], int]:
     end = re.search(rb"^end_header[ \t]*\r?\n", data, re.MULTILINE)
     if not data.startswith(b"ply"):
         raise InputError(f"{name}: expected a PLY file, got {in_words(data)}.")
@@ -192,7 +192,7 @@ def _header(data: bytes, name: str) -> tuple[str, list[Element], list[str], int]
             elif words[0] == "format":
                 order = _ORDERS[words[1]]
             elif words[0] == "element":
-                elements.append(Element(words[1], _count(words[2]), []))
+                elements.append(PlyElement(words[1], _count(words[2]), []))
             elif words[0] == "property" and words[1] == "list":
                 listed = Property(words[4], _TYPES[words[3]], _TYPES[words[2]])
                 elements[-1].properties.append(listed)

@@ -1,4 +1,4 @@
-"""The data of a PLY file: columns of its elements, from text or bytes of either order."""
+"""The data of a PLY file: columns of its elements, from text or from bytes of either order."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from .plain_mesh import offsets_of
 
 @dataclass(frozen=True)
 class Property:
-    """A number of every row of an element, or a list of them."""
+    """A property of an element: in every row a number, or a list of numbers."""
 
     name: str
     kind: str
-    """As NumPy calls it."""
+    """NumPy type of the numbers."""
     count_kind: str | None
-    """Of a list: the kind of its length."""
+    """NumPy type of the length of a list; None for a single number."""
 
 
 @dataclass(frozen=True)
-class Element:
-    """So many rows of the same properties."""
+class PlyElement:
+    """An element: a number of rows with the same properties."""
 
     name: str
     count: int
     properties: list[Property]
 
 
-def read_element(element: Element, body: Any, order: str) -> tuple[dict[str, Any], Any]:
-    """The columns of one element and what follows it; lists become (offsets, values)."""
+def read_element(element: PlyElement, body: Any, order: str) -> tuple[dict[str, Any], Any]:
+    """The columns of one element and the data that follow it; lists become (offsets, values)."""
     if element.count == 0 or not element.properties:
         return {}, body
     # The usual case: every row has lists as long as those of the first one.
@@ -44,7 +44,7 @@ def read_element(element: Element, body: Any, order: str) -> tuple[dict[str, Any
     return _binary_columns(element, body, order, sizes) or _read_rows(element, body, order)
 
 
-def _ascii_columns(element: Element, tokens: list[bytes], sizes: list[int]) -> Any:
+def _ascii_columns(element: PlyElement, tokens: list[bytes], sizes: list[int]) -> Any:
     widths = [s + bool(p.count_kind) for p, s in zip(element.properties, sizes, strict=True)]
     needed = element.count * sum(widths)
     if len(tokens) < needed:
@@ -67,7 +67,7 @@ def _ascii_columns(element: Element, tokens: list[bytes], sizes: list[int]) -> A
     return columns, tokens[needed:]
 
 
-def _binary_columns(element: Element, body: memoryview, order: str, sizes: list[int]) -> Any:
+def _binary_columns(element: PlyElement, body: memoryview, order: str, sizes: list[int]) -> Any:
     fields: list[Any] = []
     for position, (listed, size) in enumerate(zip(element.properties, sizes, strict=True)):
         if listed.count_kind:
@@ -91,9 +91,9 @@ def _binary_columns(element: Element, body: memoryview, order: str, sizes: list[
 
 
 def _read_rows(
-    element: Element, body: Any, order: str, count: int | None = None
+    element: PlyElement, body: Any, order: str, count: int | None = None
 ) -> tuple[dict[str, Any], Any]:
-    """Row by row, for lists of different lengths; `ValueError` where the data end."""
+    """Columns read row by row, for lists of different lengths; `ValueError` if the data end."""
     at = 0
 
     def take(kind: str, number: int) -> NDArray[Any]:

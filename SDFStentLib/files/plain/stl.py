@@ -36,10 +36,10 @@ _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute
 
 
 def decode_stl(data: bytes, name: str) -> PlainMesh:
-    """Read STL, binary or ASCII; corners with equal coordinates become one point: a `Decoder`.
+    """Decode STL, binary or ASCII; corners with equal coordinates become one point: a `Decoder`.
 
-    Several solids are the faces of a model, by name: those of one name are one, as OpenFOAM takes
-    them. A single solid is the whole, and its name the header.
+    Several solids are the faces of a model; solids of one name are one face, as in OpenFOAM. A
+    single solid is the whole model, and its name is the header.
     """
     count_end = HEADER_SIZE + 4
     count = int.from_bytes(data[HEADER_SIZE:count_end], "little") if len(data) >= count_end else 0
@@ -67,7 +67,7 @@ def decode_stl(data: bytes, name: str) -> PlainMesh:
 
 
 def encode_stl(points: Points, triangles: Triangles, attribute: Any, title: str) -> bytes:
-    """Binary STL, single precision.
+    """Encode binary STL, in single precision.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def encode_stl(points: Points, triangles: Triangles, attribute: Any, title: str)
 def encode_solids(
     points: Points, triangles: Triangles, ids: NDArray[Any], names: Mapping[int, str], title: str
 ) -> bytes:
-    """ASCII STL with a solid for each face, all digits of single precision.
+    """Encode ASCII STL with a solid for each face and all digits of single precision.
 
     Parameters
     ----------
@@ -98,9 +98,9 @@ def encode_solids(
     ids : array of int, shape (m,)
         The face of every triangle; the solids come in the order in which these first appear.
     names : mapping of int to str
-        Of the faces that have one.
+        Names of the faces that have one.
     title : str
-        What the first solid has behind its name, such as the frame; may be empty.
+        Text behind the name of the first solid, such as the frame; may be empty.
     """
     corners = points[triangles].astype(np.float32)
     normals = _normals(corners)
@@ -138,7 +138,7 @@ def _decode_ascii(data: bytes, name: str) -> PlainMesh:
 
 
 def _coordinates(data: bytes) -> Iterator[NDArray[np.float32]]:
-    """Those of all corners, a part of the text at a time: words take ten times its room."""
+    """Coordinates of all corners, a part of the text at a time: words take ten times its memory."""
     start = 0
     # Ends: every part is one byte long at least.
     while start < len(data):
@@ -149,7 +149,7 @@ def _coordinates(data: bytes) -> Iterator[NDArray[np.float32]]:
 
 
 def _solids(data: bytes, facets: int) -> tuple[NDArray[np.int32] | None, dict[int, str]]:
-    """The solid of every facet, counted from 1, and their names; `None` where there is but one."""
+    """The solid of every facet, counted from 1, and their names; `None` if there is only one."""
     heads = list(re.finditer(rb"^[ \t]*solid([^\r\n]*)", data, re.IGNORECASE | re.MULTILINE))
     if len(heads) < 2:
         return None, {}
@@ -191,7 +191,7 @@ def _merged(corners: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[
 
 
 def _normals(corners: NDArray[np.float32]) -> NDArray[Any]:
-    """Of facets (m, 3 corners, 3); zero for one without area."""
+    """Unit normals of facets (m, 3 corners, 3); zero for one without area."""
     vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     return vectors / np.where(lengths > 0, lengths, 1)
