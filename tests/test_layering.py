@@ -56,7 +56,7 @@ USES = {
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
     "report": "geometry certificate lumen stent files treatment vessel segment flow plan "
     "simulation",
-    "cohort": "geometry centerline certificate flow stent files treatment plan report",
+    "cohort": "geometry centerline certificate stent files treatment plan report",
     "cli": "files stent phantoms vessel flow treatment plan simulation report cohort",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""

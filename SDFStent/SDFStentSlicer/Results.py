@@ -184,8 +184,8 @@ def _flowParagraphs(run):
         return [run.flowRemark] if run.flowRemark else []
     section = flow_section(run.flow)
     told = [
-        "\n".join([f"{at}:", *(f"{label} {words}" for label, words in rows)])
-        for at, rows in flow_moments(section, stents_in(section))
+        "\n".join([f"{at}:", *(f"{one.label} {one.change}" for one in facts)])
+        for at, facts in flow_moments(section, stents_in(section))
     ]
     return [*told, *section["notes"]]
 

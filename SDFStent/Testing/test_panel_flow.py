@@ -16,7 +16,7 @@ def words(panel):
 
     section = flow_section(panel.logic.lastRun(panel._parameterNode).flow)
     told = flow_moments(section, stents_in(section))
-    lines = [[f"{at}:", *(f"{label} {words}" for label, words in rows)] for at, rows in told]
+    lines = [[f"{at}:", *(f"{one.label} {one.change}" for one in facts)] for at, facts in told]
     return "\n\n".join(map("\n".join, lines)), section["notes"]
 
 

@@ -19,9 +19,8 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from ..cautions import reason_of
-from ..flow import OTHERS, FlowAnswer
 from ..plan import InputFiles, Plan, PlanResult, plan_text, read_plan_inputs, treatment_of
-from ..report import plan_report, stent_rows
+from ..report import flow_columns, flow_section, plan_report, stent_rows
 from ..validation import DeploymentError, InputError
 from ..version import VERSION
 from .axes import label
@@ -170,25 +169,8 @@ def _rows(result: PlanResult) -> list[dict[str, Any]]:
     rows = [_row(row) | told for row in stent_rows(result.told)]
     if result.flow is None:
         return rows
-    return [row | _row(_flow(result.flow, row["stent"])) for row in rows]
-
-
-def _flow(answer: FlowAnswer, number: int) -> dict[str, float]:
-    """Columns of a stent at the mean flow; null for one that lies within a later one."""
-    found = {}
-    for state, moments in (("before", answer.before), ("after", answer.after)):
-        assert moments is not None
-        at, name = moments["mean"], f"stent {number}"
-        part = answer.parts.index(name) if name in answer.parts else None
-        found[f"inlet_pressure_{state}_mmhg"] = math.nan if at.inlet is None else at.inlet.value
-        names = (*answer.sides.names, OTHERS) if answer.sides else ()
-        for side, share in zip(names, at.sides or (), strict=False):
-            found[f"flow_{side.replace(' ', '_')}_{state}_percent"] = 100 * share.value
-        drop = math.nan if part is None else at.drops[part].recovered.value
-        found[f"pressure_drop_{state}_mmhg"] = drop
-        if at.power is not None:
-            found[f"power_loss_{state}_mw"] = 1e3 * at.power.value
-    return found
+    flow = flow_section(result.flow)
+    return [row | _row(flow_columns(flow, row["stent"])) for row in rows]
 
 
 def _row(row: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from .diameters import diameter_table as diameter_table
 from .diameters import filed_point as filed_point
 from .facts import Fact as Fact
 from .facts import Facts as Facts
+from .flow import flow_columns as flow_columns
 from .flow import flow_document as flow_document
 from .flow import flow_moments as flow_moments
 from .flow import flow_section as flow_section

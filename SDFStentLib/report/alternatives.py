@@ -199,4 +199,4 @@ def _stretch(document: Section) -> Lines:
 
 def _flow(document: Section) -> Lines:
     section = document["flow"]
-    return () if section is None else tuple(map(": ".join, flow_rows(section, stents_in(section))))
+    return () if section is None else tuple(flow_rows(section, stents_in(section)))

@@ -64,9 +64,21 @@ class Fact(NamedTuple):
         return {self.was, self.words} != {UNKNOWN}
 
     @property
-    def rounded(self) -> list[str]:
-        """The numbers of a glance: to a tenth, of before only where there is one."""
-        return [number_text(one, 1) for one in (self.before, self.after) if one is not None]
+    def at_hand(self) -> str:
+        """The line beside a stent."""
+        return f"{self.short or self.label} {' -> '.join(self._rounded)} {self.unit}"
+
+    @property
+    def tiled(self) -> tuple[str, str, str]:
+        """Name, value, and what stands beneath it."""
+        *before, value = (f"{one} {self.unit}" for one in self._rounded)
+        beneath = f"{''.join(f'before {one}' for one in before)}{self.note}".removeprefix(", ")
+        return self.tile or self.label, value, beneath
+
+    @property
+    def _rounded(self) -> list[str]:
+        digits = 0 if self.unit == "%" else 1
+        return [number_text(one, digits) for one in (self.before, self.after) if one is not None]
 
     def __str__(self) -> str:
         return f"{self.label}: {self.change}" if self.label else self.words

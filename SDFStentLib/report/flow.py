@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -20,12 +20,16 @@ from ..flow import (
     Wave,
 )
 from ..validation import place_words
-from .markup import paragraph, table
-from .words import RESEARCH_USE
+from .facts import GLANCE, Fact, Facts
+from .markup import Moments, moments_table, notes_part
+from .words import RESEARCH_USE, band_words, brief
 
 Section = Mapping[str, Any]
 
 ML_PER_L = 1000.0
+
+INLET, DROP = "inlet_pressure_{}_mmhg", "pressure_drop_{}_mmhg"
+"""Columns of tables."""
 
 FLOW_NOTE = (
     "A network of the vessel tree: friction of laminar flow in rigid elliptic sections and bends, "
@@ -163,31 +167,24 @@ def _triple(band: Band | None) -> dict[str, float] | None:
     return None if band is None else band._asdict()
 
 
-Rows = list[tuple[str, str]]
-
-
-def flow_moments(section: Section, most: int | None = None) -> list[tuple[str, Rows]]:
-    """What is told at the mean flow and at its peak: a heading, and rows of a label and words.
+def flow_moments(section: Section, most: int | None = None) -> Moments:
+    """What is told at the mean flow and at its peak: a heading, and facts.
 
     Of the narrowings the first ones, `most`.
     """
-    return [(_at(name, section), _of_moment(section, name, most)) for name in section["before"]]
+    return [(_at(name, section), flow_facts(section, name, most)) for name in section["before"]]
 
 
-def flow_rows(section: Section, most: int | None = None) -> Rows:
-    """The same, the heading in every label."""
-    return [
-        (f"{at}, {label}", words)
-        for at, rows in flow_moments(section, most)
-        for label, words in rows
-    ]
+def flow_rows(section: Section, most: int | None = None) -> list[str]:
+    """The same as lines, the heading in each of them."""
+    return [f"{at}, {one}" for at, facts in flow_moments(section, most) for one in facts]
 
 
 def flow_sentences(section: Section, most: int | None = None) -> list[str]:
     """Headings, the rows below each as lines, and what has to be known of them."""
     lines = []
-    for at, rows in flow_moments(section, most):
-        lines += [f"{at}:", *(f"  {label}: {words}" for label, words in rows)]
+    for at, facts in flow_moments(section, most):
+        lines += [f"{at}:", *(f"  {one}" for one in facts)]
     count = len(section["before"]["mean"]["narrowings"])
     if most is not None and count > most:
         more = "1 more narrowing" if count - most == 1 else f"{count - most} more narrowings"
@@ -197,27 +194,22 @@ def flow_sentences(section: Section, most: int | None = None) -> list[str]:
 
 def flow_line(section: Section) -> str:
     """What a plan does at the mean flow, in one line: of narrowings the stents are told."""
-    rows = _of_moment(section, "mean", stents_in(section))
-    told = "; ".join(f"{label} {words}" for label, words in rows)
+    facts = flow_facts(section, "mean", stents_in(section))
+    told = "; ".join(f"{one.label} {one.change}" for one in facts)
     return f"{_at('mean', section)}, estimated: {told or 'nothing to tell'}."
 
 
-class Gained(NamedTuple):
-    """The side whose share of the flow grows most: percent before and after."""
+def flow_columns(section: Section, number: int) -> dict[str, float]:
+    """Of a stent's row in a table, at the mean flow: all before, then all after treatment.
 
-    side: str
-    before: float
-    after: float
-
-
-def share_gained(before: Section, after: Section) -> Gained | None:
-    """Of the sections of a moment; None without sides."""
-    found = [
-        Gained(side, *(100 * one["share"][side]["value"] for one in (before, after)))
-        for side in before["share"]
-        if side != OTHERS
-    ]
-    return max(found, key=lambda one: one.after - one.before, default=None)
+    NaN for one that lies within a later one.
+    """
+    own = [one for one in flow_facts(section, "mean") if one.column]
+    own = [one for one in own if one.column != DROP or one.key == f"stent {number}"]
+    inlet, drop = (Fact(before=np.nan, after=np.nan, column=one) for one in (INLET, DROP))
+    shares = (one for one in own if one.unit == "%")
+    found = Facts((inlet, *shares, drop, *own)).columns()
+    return dict(sorted(found.items(), key=lambda item: "_after_" in item[0]))
 
 
 def stents_in(section: Section) -> int:
@@ -231,65 +223,88 @@ def flow_part(section: Section) -> list[str]:
     return [moments_table(flow_moments(section)), *notes_part(section)]
 
 
-def moments_table(moments: Sequence[tuple[str, Rows]]) -> str:
-    """Headings, each with its rows."""
-    rows = [row for at, told in moments for row in ((at,), *told)]
-    return table(rows, look="words")
-
-
-def notes_part(section: Section) -> list[str]:
-    """What has to be known of the numbers."""
-    return [paragraph(note, "small") for note in section["notes"]]
-
-
 def _at(moment: str, section: Section) -> str:
     flow = section["before"][moment]["flow_ml_s"]
     return f"At the {moment} flow of {flow:.3g} mL/s ({flow * L_PER_MIN:.3g} L/min)"
 
 
-def _of_moment(section: Section, moment: str, most: int | None) -> Rows:
-    found = [section[name][moment] for name in ("before", "after") if section[name]]
-    first, rows = found[0], list[tuple[str, str]]()
-    wave = section["known"]["wave"]
+def flow_facts(section: Section, moment: str, most: int | None = None) -> Facts:
+    """What is told at the mean flow, or at its peak; of the narrowings the first ones, `most`."""
+    return Facts(_facts(section, moment, most))
+
+
+def _facts(section: Section, moment: str, most: int | None) -> Iterator[Fact]:
+    states = [section[name][moment] for name in ("before", "after") if section[name]]
+    first, wave = states[0], section["known"]["wave"]
     if wave and moment == "mean":
-        rows.append(("wave", _wave_words(wave, section["known"])))
-    inlets = first["inlets"]
+        yield Fact("wave", "wave", words=_wave_words(wave, section["known"]))
     if first["inlet_mmhg"]:
-        which = f" at {inlets[0]['name']}" if inlets else ""
-        told = _change([one["inlet_mmhg"] for one in found], "mmHg")
-        rows.append((f"inlet pressure{which}", told))
-    for side in first["share"]:
-        shares = [one["share"][side] for one in found]
-        rows.append((f"flow to the {side}", _change(shares, "%", 100.0)))
+        which = f" at {first['inlets'][0]['name']}" if first["inlets"] else ""
+        yield _banded(f"inlet pressure{which}", _each(states, "inlet_mmhg"), "mmHg", column=INLET)
+    yield from _shares([one["share"] for one in states])
     for number, limb in enumerate(first["limbs"]):
-        shares = [one["limbs"][number]["share"] for one in found]
-        rows.append((f"flow through the {limb['name']}", _change(shares, "%", 100.0)))
+        shares = [one["limbs"][number]["share"] for one in states]
+        yield _banded(f"flow through the {limb['name']}", shares, "%", 100.0)
     for number, narrowing in enumerate(first["narrowings"][:most]):
-        drops = [one["narrowings"][number] for one in found]
-        words = "; ".join(
-            f"{kind} {_change([drop[f'{kind}_mmhg'] for drop in drops], 'mmHg')}"
-            for kind in ("recovered", "maximal")
-        )
-        rows.append((f"drop over {narrowing['name']}", words))
-    return [*rows, *_of_inlets(found)]
+        yield _drop(narrowing["name"], [one["narrowings"][number] for one in states])
+    yield from _of_inlets(states)
 
 
-def _of_inlets(found: Sequence[Section]) -> Rows:
+def _shares(states: Sequence[Section]) -> Iterator[Fact]:
+    """How the flow divides; the side that gains most is told first."""
+    facts = []
+    for side in states[0]:
+        column = f"flow_{side.replace(' ', '_')}_{{}}_percent"
+        facts.append(_banded(f"flow to the {side}", _each(states, side), "%", 100.0, column=column))
+    sides = [one for one, side in zip(facts, states[0], strict=True) if side != OTHERS]
+    if len(states) > 1 and sides:
+        gained = max(sides, key=lambda one: one.after - one.before)
+        tile = gained.label[:1].upper() + gained.label[1:]
+        facts[facts.index(gained)] = gained._replace(key="share", level=GLANCE, tile=tile)
+    yield from facts
+
+
+def _drop(name: str, states: Sequence[Section]) -> Fact:
+    """Over a narrowing; that of a stent is told first."""
+    kinds = {kind: _each(states, f"{kind}_mmhg") for kind in ("recovered", "maximal")}
+    told: dict[str, Any] = {"short": "drop", "tile": "Pressure drop", "worst": max}
+    if name.startswith("stent ") and len(states) > 1:
+        told["level"] = GLANCE
+    fact = _banded(f"drop over {name}", kinds["recovered"], "mmHg", key=name, **told)
+    words = "; ".join(f"{kind} {_banded('', each, 'mmHg').change}" for kind, each in kinds.items())
+    return fact._replace(words=words, was="", column=DROP)
+
+
+def _of_inlets(states: Sequence[Section]) -> Iterator[Fact]:
     """What is lost from each of several inlets to the outlets, before and after."""
-    rows, (first, *_) = [], found
-    for number, inlet in enumerate(first["inlets"]):
-        each = [one["inlets"][number] for one in found]
-        drops = _change([one["drop_mmhg"] for one in each], "mmHg")
-        powers = _change([one["power_loss_w"] for one in each], "mW", 1e3)
-        flow = brief(inlet["flow_ml_s"])
-        rows.append((f"from {inlet['name']}, {flow} mL/s", f"drop {drops}; power loss {powers}"))
-    if first["power_loss_w"]:
-        words = _change([one["power_loss_w"] for one in found], "mW", 1e3)
-        if first["indexed_power_loss"]:
-            index = " -> ".join(f"{one['indexed_power_loss']['value']:.3g}" for one in found)
-            words += f"; indexed {index}"
-        rows.append(("power loss of the connection", words))
-    return rows
+    for number, inlet in enumerate(states[0]["inlets"]):
+        each = [one["inlets"][number] for one in states]
+        drops = _banded("", _each(each, "drop_mmhg"), "mmHg").change
+        powers = _banded("", _each(each, "power_loss_w"), "mW", 1e3).change
+        label = f"from {inlet['name']}, {brief(inlet['flow_ml_s'])} mL/s"
+        yield Fact("", label, words=f"drop {drops}; power loss {powers}")
+    if states[0]["power_loss_w"]:
+        label, lost = "power loss of the connection", _each(states, "power_loss_w")
+        fact = _banded(label, lost, "mW", 1e3, column="power_loss_{}_mw", tile="Power lost")
+        if states[0]["indexed_power_loss"]:
+            index = " -> ".join(f"{one['indexed_power_loss']['value']:.3g}" for one in states)
+            fact = fact._replace(note=f"; indexed {index}")
+        yield fact._replace(level=GLANCE) if len(states) > 1 else fact
+
+
+def _each(states: Sequence[Section], key: str) -> list[Any]:
+    return [one[key] for one in states]
+
+
+def _banded(
+    label: str, bands: Sequence[Mapping[str, float]], unit: str, scale: float = 1.0, **more: Any
+) -> Fact:
+    """Values with ranges, before and after treatment, or without one only these: `6.4 (5.1 to 8.0)
+    -> 0.27 (0.2 to 0.4) mmHg`."""
+    values = [scale * one["value"] for one in bands]
+    words = [f"{band_words(one, scale)} {unit}" for one in bands]
+    before, was = (values[0], words[0]) if len(bands) > 1 else (None, "")
+    return Fact(more.pop("key", ""), label, before, values[-1], unit, words[-1], was, **more)
 
 
 def _wave_words(wave: Section, known: Section) -> str:
@@ -299,23 +314,6 @@ def _wave_words(wave: Section, known: Section) -> str:
         f"regurgitant fraction {100 * wave['regurgitant_fraction']:.0f} %, a cycle of "
         f"{wave['cycle_s']:.3g} s, {wave['rate_per_min']:.0f} beats/min"
     )
-
-
-def _change(bands: list[dict[str, float]], unit: str, scale: float = 1.0) -> str:
-    """`6.4 (5.1 to 8.0) -> 0.27 (0.2 to 0.4) mmHg`."""
-    return " -> ".join(band_words(one, scale) for one in bands) + f" {unit}"
-
-
-def band_words(band: Mapping[str, float], scale: float = 1.0) -> str:
-    """A value and between what it lies, where that is known."""
-    value, low, high = (brief(scale * band[name]) for name in ("value", "low", "high"))
-    return value if low == high else f"{value} ({low} to {high})"
-
-
-def brief(value: float) -> str:
-    """Two digits behind the point below one, one below a hundred; no minus zero."""
-    digits = 2 if abs(value) < 1 else 1
-    return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def _notes(answer: FlowAnswer) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -30,8 +30,8 @@ from ..treatment import (
 from ..vessel import Lesion, lesions_within
 from .branches import ALL_ROUND, CONTACT
 from .diameters import LUMEN
-from .facts import GLANCE
-from .flow import share_gained
+from .facts import GLANCE, Fact
+from .flow import flow_facts
 from .stents import measured_facts
 from .words import degree_word, number_text
 
@@ -124,10 +124,9 @@ def measured_lines(
 
     The other parameters are as those of `result_tiles`, of the whole treatment.
     """
-    facts = measured_facts(treated).at(GLANCE)
     told = [
         _size(treated),
-        *(f"{one.short or one.label} {' -> '.join(one.rounded)} {one.unit}" for one in facts),
+        *(one.at_hand for one in measured_facts(treated).at(GLANCE)),
         _left(treated, stents, lesions or ()),
         "" if flow is None else _flow(flow, treated.row),
         _branches(treated),
@@ -196,22 +195,8 @@ def _branches(treated: TreatedStent) -> str:
 
 def _flow(flow: Mapping[str, Any], row: int) -> str:
     """At the mean flow: the side that gains most, and the drop over the stent."""
-    told, gained = [], share_gained(flow["before"]["mean"], flow["after"]["mean"])
-    if gained is not None:
-        told.append(f"flow to the {gained.side} {gained.before:.0f} -> {gained.after:.0f} %")
-    if drops := _drops(flow, row):
-        told.append(f"drop {' -> '.join(number_text(one, 1) for one in drops)} mmHg")
-    return ", ".join(told)
-
-
-def _drops(flow: Mapping[str, Any], row: int) -> list[float]:
-    """Over a stent at the mean flow, before and after treatment, mmHg; none where not told."""
-    return [
-        one["recovered_mmhg"]["value"]
-        for state in (flow["before"]["mean"], flow["after"]["mean"])
-        for one in state["narrowings"]
-        if one["name"] == f"stent {row}"
-    ]
+    facts = flow_facts(flow, "mean").at(GLANCE)
+    return ", ".join(one.at_hand for one in facts if one.key in ("share", f"stent {row}"))
 
 
 def _contact(treated: TreatedStent) -> str:
@@ -256,11 +241,11 @@ def result_tiles(
     """
     tiles = [
         *_warnings(cautions),
-        *_worst(stents),
+        *_worst(one for stent in stents for one in measured_facts(stent).at(GLANCE)),
         _stenosis(stents, lesions or ()),
         _beside(stents),
         *_touching(stents),
-        *([] if flow is None else _flowing(flow, [one.row for one in stents])),
+        *([] if flow is None else _worst(flow_facts(flow, "mean").at(GLANCE))),
         _surface(certificate),
     ]
     # What is the engineer's comes last, whatever it says.
@@ -281,16 +266,14 @@ def _warnings(cautions: Sequence[Caution]) -> Iterator[Tile]:
     yield Tile(WARNINGS, str(len(cautions)), topics, True)
 
 
-def _worst(stents: Sequence[TreatedStent]) -> Iterator[Tile]:
-    """Of every fact that is told first that of the stent with the worst; NaN is worse than any."""
-    told = [one for stent in stents for one in measured_facts(stent).at(GLANCE)]
-    for label in dict.fromkeys(one.label for one in told):
-        alike = [one for one in told if one.label == label]
-        unknown = [one for one in alike if not math.isfinite(one.after)]
-        one = alike[0].worst(unknown or alike, key=attrgetter("after"))
-        *before, value = one.rounded
-        beneath = f"{', '.join(f'before {was}' for was in before)}{one.note}".removeprefix(", ")
-        yield Tile(one.tile or label, f"{value} {one.unit}", beneath)
+def _worst(facts: Iterable[Fact]) -> Iterator[Tile]:
+    """Of every fact that is told first the worst of all stents; NaN is worse than any."""
+    alike: dict[str, list[Fact]] = {}
+    for one in facts:
+        alike.setdefault(one.tile or one.label, []).append(one)
+    for some in alike.values():
+        unknown = [one for one in some if not math.isfinite(one.after)]
+        yield Tile(*some[0].worst(unknown or some, key=attrgetter("after")).tiled)
 
 
 def _stenosis(stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]) -> Tile:
@@ -325,19 +308,3 @@ def _touching(stents: Sequence[TreatedStent]) -> Iterator[Tile]:
     free, length = (sum(getattr(one, name) for one in found) for name in ("free_length", "length"))
     off = f"{free:.0f} mm off" if free > 0 else ALL_ROUND
     yield Tile(CONTACT, off, f"of {length:.0f} mm")
-
-
-def _flowing(flow: Mapping[str, Any], rows: Sequence[int]) -> Iterator[Tile]:
-    """At the mean flow: the side that gains most, the largest drop over a stent, power lost."""
-    gained = share_gained(flow["before"]["mean"], flow["after"]["mean"])
-    if gained is not None:
-        beneath = f"before {gained.before:.0f} %"
-        yield Tile(f"Flow to the {gained.side}", f"{gained.after:.0f} %", beneath)
-    drops = [both for row in rows if len(both := _drops(flow, row)) == 2]
-    if drops:
-        first, last = (f"{number_text(one, 1)} mmHg" for one in max(drops))
-        yield Tile("Pressure drop", last, f"before {first}")
-    powers = [flow[state]["mean"]["power_loss_w"] for state in ("before", "after")]
-    if all(powers):  # with several inlets
-        first, last = (f"{number_text(1e3 * one['value'], 1)} mW" for one in powers)
-        yield Tile("Power lost", last, f"before {first}")

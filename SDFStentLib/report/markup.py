@@ -8,6 +8,7 @@ from html import escape
 from typing import Any, NamedTuple
 
 from ..validation import printable
+from .facts import Facts
 
 PAGE_STYLE = """
 body{font:15px/1.45 system-ui,sans-serif;color:#1a1a1a;max-width:860px;margin:24px auto;
@@ -31,6 +32,10 @@ h2{margin-top:16px}h2,h3{break-after:avoid}section,tr,p,img,svg{break-inside:avo
 th,td{padding:3px 8px}.first td{font-size:13.5px}.small{font-size:11px}
 img,svg{max-height:82mm}.details{break-before:page}}
 """
+
+
+Moments = Sequence[tuple[str, Facts]]
+"""Headings, each with its facts."""
 
 
 class Cell(NamedTuple):
@@ -103,6 +108,19 @@ def table(
             cells = f"<th colspan='2'>{escape(str(row[0]))}</th>"
         lines.append(f"<tr{_class(row_look)}>{cells}</tr>")
     return f"<table{_class(look)}>{''.join(lines)}</table>"
+
+
+def moments_table(moments: Moments) -> str:
+    """Headings, each with its rows."""
+    rows: list[tuple[str, ...]] = []
+    for at, facts in moments:
+        rows += [(at,), *((one.label, one.change) for one in facts)]
+    return table(rows, look="words")
+
+
+def notes_part(document: Mapping[str, Any]) -> list[str]:
+    """What has to be known of the numbers."""
+    return [paragraph(note, "small") for note in document["notes"]]
 
 
 def _class(look: str) -> str:

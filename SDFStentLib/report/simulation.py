@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from ..simulation import UNSTEADY, CaseResult, Found, Prepared, Simulated
-from .flow import band_words, brief, moments_table, notes_part
+from .facts import Fact, Facts
 from .html import file_part
-from .markup import beginning, page
+from .markup import Moments, beginning, moments_table, notes_part, page
 from .picture.drawing import svg
 from .picture.plot import along_plot
-from .words import RESEARCH_USE
+from .words import RESEARCH_USE, band_words, brief
 
 Section = Mapping[str, Any]
 
@@ -148,52 +148,49 @@ def _network(made: Section, name: str) -> dict[str, Any]:
     }
 
 
-def simulation_moments(document: Section) -> list[tuple[str, list[tuple[str, str]]]]:
-    """What is told at the mean flow, and at the peak of a wave: a heading, and labels and words."""
+def simulation_moments(document: Section) -> Moments:
+    """What is told at the mean flow, and at the peak of a wave: a heading, and facts."""
     states = [document[name] for name in STATES]
     return [
-        (f"At the {moment} flow", list(_rows(document, [state[moment] for state in states])))
+        (f"At the {moment} flow", Facts(_facts(document, [state[moment] for state in states])))
         for moment in states[0]
     ]
 
 
 def simulation_sentences(document: Section) -> list[str]:
-    """The rows as lines, and what has to be known of them."""
+    """The facts as lines, and what has to be known of them."""
     lines = []
-    for heading, rows in simulation_moments(document):
-        lines += [f"{heading}, before -> after:"]
-        lines += [f"  {label}: {words}." for label, words in rows]
+    for heading, facts in simulation_moments(document):
+        lines += [f"{heading}, before -> after:", *(f"  {one}." for one in facts)]
     return [*lines, *document["notes"]]
 
 
-def _rows(document: Section, states: Sequence[Section]) -> Iterator[tuple[str, str]]:
-    main = document["main_outlet"]
-    yield "flow in", _change([f"{one['inflow_ml_s']:.3g}" for one in states], "mL/s")
+def _facts(document: Section, states: Sequence[Section]) -> Iterator[Fact]:
+    main, networks = document["main_outlet"], [one.get("network") for one in states]
+    yield _fact("flow in", [f"{one['inflow_ml_s']:.3g}" for one in states], "mL/s")
     if states[0]["inlet_mmhg"]:
         total = [f"{one['inlet_mmhg']['total']:.1f}" for one in states]
-        yield "total pressure at the inlet", _change(total, "mmHg")
+        yield _fact("total pressure at the inlet", total, "mmHg")
     for label, key, network in (
         (f"drop of total pressure to {main}", "total_drop_mmhg", "recovered_mmhg"),
         (f"drop of static pressure to {main}", "static_drop_mmhg", ""),
         ("drop of static pressure to its lowest", "largest_drop_mmhg", "maximal_mmhg"),
     ):
-        words = _change([_with_error(one[key]) for one in states], "mmHg")
-        known = [one["network"][network] for one in states if "network" in one and network]
-        yield (
-            label,
-            f"{words} [network {_change([*map(band_words, known)], 'mmHg')}]" if known else words,
-        )
+        known = [band_words(one[network]) for one in networks if one and network]
+        yield _fact(label, [_with_error(one[key]) for one in states], "mmHg", known)
     for name in states[0]["outlets"]:
         flows = [f"{one['outlets'][name]['flow_ml_s']:.3g}" for one in states]
-        told = [one["network"]["outlets_ml_s"][name] for one in states if "network" in one]
-        network = f" [network {_change([f'{q:.3g}' for q in told], 'mL/s')}]" if told else ""
-        yield f"flow through {name}", _change(flows, "mL/s") + network
+        known = [f"{one['outlets_ml_s'][name]:.3g}" for one in networks if one]
+        yield _fact(f"flow through {name}", flows, "mL/s", known)
     for label, key in (("mean", "shear_mean_pa"), ("99th percentile", "shear_high_pa")):
-        yield f"wall shear, {label}", _change([_with_error(one[key]) for one in states], "Pa")
+        yield _fact(f"wall shear, {label}", [_with_error(one[key]) for one in states], "Pa")
 
 
-def _change(words: Sequence[str], unit: str) -> str:
-    return f"{' -> '.join(words)} {unit}"
+def _fact(label: str, words: Sequence[str], unit: str, network: Sequence[str] = ()) -> Fact:
+    """Values before and after treatment, and those of the network where it has them."""
+    was, after = (f"{one} {unit}" for one in words)
+    note = f" [network {' -> '.join(network)} {unit}]" if network else ""
+    return Fact(label=label, unit=unit, words=after, was=was, note=note)
 
 
 def _with_error(one: Section) -> str:

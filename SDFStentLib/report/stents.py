@@ -24,6 +24,8 @@ PLACEMENTS = {
     "BetweenPoints": "between two points on the centerline",
     "AlongAxis": "along a given curve",
     "OfStent": "where the earlier one lies",
+    "AtLesion": "at a lesion",
+    "OnBranch": "on a branch",
 }
 
 CUT = 0.1

@@ -141,6 +141,18 @@ def _rounded(value: float, digits: int) -> float:
     return round(value, digits) + 0.0  # no negative zero
 
 
+def band_words(band: Mapping[str, float], scale: float = 1.0) -> str:
+    """A value and between what it lies, where that is known."""
+    value, low, high = (brief(scale * band[name]) for name in ("value", "low", "high"))
+    return value if low == high else f"{value} ({low} to {high})"
+
+
+def brief(value: float) -> str:
+    """Two digits behind the point below one, one below a hundred; no minus zero."""
+    digits = 2 if abs(value) < 1 else 1
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
 def point_text(position: Sequence[float | None]) -> str:
     """Coordinates to a tenth."""
     return ", ".join(number_text(value, 1) for value in position)
