@@ -311,6 +311,9 @@ def test_a_cycle_is_that_of_the_waves_of_inlets_too(files, capsys):
     assert known["mean_flow_ml_s"] == pytest.approx(50.0, rel=1e-5)
     assert main([*FLOW, *INLETS, "--cycle", "0.8s"]) == 2
     assert "--cycle: expected a wave beside it" in capsys.readouterr().err
+    both = ["--inlet", "IVC=20mL/s", *inlets[2:], "--wave", "ivc.csv", "--cycle", "0.8s"]
+    assert main([*FLOW, *both]) == 2
+    assert "--wave: expected one wave for all inlets" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("text", ["SVC", "=20mL/s", "SVC=", "SVC=20", "SVC=-3mL/s"])

@@ -149,8 +149,14 @@ def known_of(options: argparse.Namespace, console: Console) -> Known | None:
         needs_unit = mean is None and not options.inlet
         wave = _wave(options.wave, console, cycle, needs_unit=needs_unit)
     inlets = tuple(_inflow(text, console, cycle) for text in options.inlet)
-    if cycle is not None and wave is None and all(one.wave is None for one in inlets):
+    has_own = any(one.wave is not None for one in inlets)
+    if cycle is not None and wave is None and not has_own:
         raise InputError("--cycle: expected a wave beside it, got none; give one.")
+    if wave is not None and has_own:
+        raise InputError(
+            "--wave: expected one wave for all inlets, or files of their own at --inlet, got both; "
+            "leave one out."
+        )
     if mean is None and wave is None and not inlets:
         if any(value is not None for value in (peak, options.right, *values.values())):
             raise no_flow()
