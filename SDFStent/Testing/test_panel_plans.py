@@ -325,7 +325,7 @@ def test_the_page_is_that_of_sdfstent_compare(host, twoPlans, tmp_path):
     Meanwhile the user goes on, and even closes the scene.
     """
     from SDFStentLib.plan import compare, load_plan
-    from SDFStentLib.report import comparison_document
+    from SDFStentLib.report import comparison_document, document_json
 
     ui = twoPlans.ui
     deploy(host, twoPlans)
@@ -343,7 +343,7 @@ def test_the_page_is_that_of_sdfstent_compare(host, twoPlans, tmp_path):
     names = [one["name"] for one in ours["alternatives"]]
     assert names == ["Plan 1", "narrow_ 6_5 mm"]
     plans = {name: load_plan(folder / f"{name}.json") for name in names}
-    theirs = json.loads(json.dumps(comparison_document(compare(plans))))
+    theirs = json.loads(document_json(comparison_document(compare(plans))))
     lumen = ours["alternatives"][1]["report"]["stents"][0]["diameters"]["minimum_lumen"]
     assert told(ours) == told(theirs)
     assert lumen["after_mm"] == pytest.approx(treated.after.minimum, abs=1e-9)

@@ -1,6 +1,6 @@
-"""Ctrl-C and SIGTERM: a single interruption, and none while files are moved to their places.
+"""Ctrl-C and SIGTERM: one interruption, once, and none while files change their places.
 
-A sweep waits for its workers, which may not answer, until the second signal.
+A sweep, whose workers may not answer, waits for them until the second one.
 """
 
 from __future__ import annotations
@@ -24,8 +24,7 @@ _at_second: list[Callable[[], None]] = []  # what is done at a second one
 
 @contextmanager
 def interruptions() -> Iterator[None]:
-    """Turn the first signal within the block into a `KeyboardInterrupt`, and ignore
-    further ones."""
+    """Within the block the first signal is a `KeyboardInterrupt`, and further ones are ignored."""
 
     def interrupt(number: int, _frame: FrameType | None) -> NoReturn:
         _set(_second if _at_second else signal.SIG_IGN)
@@ -45,9 +44,9 @@ def interruptions() -> Iterator[None]:
 
 @contextmanager
 def at_second_signal(act: Callable[[], None]) -> Iterator[None]:
-    """Let a second signal within the block act; only further ones are ignored.
+    """Within the block a second signal does something; only further ones are ignored.
 
-    This is for work that waits for others when it is interrupted.
+    For work that waits for others when it is interrupted.
     """
     _at_second.append(act)
     try:
@@ -64,7 +63,7 @@ def _second(_number: int, _frame: FrameType | None) -> None:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Ignore signals within the block, which is short and ends in one state or the other."""
+    """Within the block signals are ignored: it is short, and ends in one state or the other."""
     before = _set(signal.SIG_IGN)
     try:
         yield
@@ -74,19 +73,19 @@ def uninterrupted() -> Iterator[None]:
 
 
 def check_interrupted() -> None:
-    """Interrupt again if Python lost the interruption, as in the callback of an import."""
+    """Interrupt again when Python lost the interruption, as in the callback of an import."""
     if _asked:
         raise KeyboardInterrupt
 
 
 def uninterrupted_from_now() -> None:
-    """Ignore signals until the block of `interruptions` ends, as its purpose is fulfilled."""
+    """Ignore signals up to the end of the block of `interruptions`: what it is for is done."""
     if _open_blocks:
         _set(signal.SIG_IGN)
 
 
 def end_at_once() -> None:
-    """Let a signal end the process with a sentence from now on, during the imports."""
+    """From now on a signal ends the process with a sentence: for the time of the imports."""
 
     def end(_number: int, _frame: FrameType | None) -> NoReturn:
         os.write(2, f"{SENTENCE}\n".encode())
@@ -96,7 +95,7 @@ def end_at_once() -> None:
 
 
 def _set(handler: Any) -> dict[int, Any]:
-    """Set the handler of the signals that are not ignored already; return the previous handlers."""
+    """Set the handler of the signals that are not ignored already; those of before."""
     if threading.current_thread() is not threading.main_thread():
         return {}
     found = {number: signal.getsignal(number) for number in _SIGNALS}

@@ -12,8 +12,7 @@ from ..report import (
     device_rows,
     device_sentence,
     document_json,
-    suggestion_section,
-    suggestion_sentences,
+    suggestion_facts,
 )
 from ..treatment import SizingWishes
 from ..validation import one_line
@@ -24,7 +23,7 @@ from .stent_options import device_of
 
 
 def suggest_command(options: argparse.Namespace, console: Console) -> int:
-    """Propose a stent for each lesion asked for, and write the plan."""
+    """Propose a stent for a lesion and write the plan of it."""
     wishes = SizingWishes(options.ratio, options.margin, device_of(options), options.foreshortening)
     outputs = Outputs([options.surface, options.centerline, options.names])
     plan, name = Plan(), options.output or f"{Path(options.surface).stem}_plan.json"
@@ -35,15 +34,15 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
     plan = plan_of(options, Plan(), tuple(one.stent for one in suggestions), inputs)
     outputs.write()
     devices = device_table(options.device_table)
+    facts = [suggestion_facts(one, devices) for one in suggestions]
     cautions = [*inputs.warnings, *inputs.vessel.lesion_cautions]
     if options.json:
-        listed = [suggestion_section(one, devices) for one in suggestions]
         warnings = [caution.sentence(units=options.units) for caution in cautions]
-        print(document_json({"suggestions": listed, "warnings": warnings}), end="")
+        print(document_json({"suggestions": facts, "warnings": warnings}), end="")
         return 0
     console.warn(cautions, units=options.units)
-    for one in suggestions:
-        for sentence in suggestion_sentences(one, devices):
+    for one, told in zip(suggestions, facts, strict=True):
+        for sentence in told.sentences:
             console.say(sentence)
         console.warn(caution.labeled(f"Lesion {one.number}: ") for caution in one.cautions())
     console.say(f"Wrote {name}; to carry it out: sdfstent run {shlex.quote(name)} -o DIR")
@@ -51,7 +50,7 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def _numbers(options: argparse.Namespace, inputs: InputFiles) -> list[int]:
-    """Numbers of the lesions to be treated, each once; by default the first one."""
+    """Of the lesions that are to be treated, each once: the first one by default."""
     numbers = list(dict.fromkeys(options.lesion or [1]))
     for number in numbers:
         check_lesion_number(number, inputs, "--lesion", "there is nothing to treat")
@@ -59,7 +58,7 @@ def _numbers(options: argparse.Namespace, inputs: InputFiles) -> list[int]:
 
 
 def devices_command(options: argparse.Namespace, _console: Console) -> int:
-    """List the known devices, or report all that is known about one."""
+    """List the devices that are known, or tell all that is known of one."""
     if options.name is None:
         devices = device_table(options.device_table)
     else:

@@ -1,8 +1,8 @@
-"""Executors of `concurrent.futures` that carry out cases, opened anew when they break.
+"""Where cases are carried out: executors of `concurrent.futures`, made anew when they break.
 
 Processes on this machine are spawned, never forked, with one thread of linear algebra each. They
-end when the sweep does, however it ends: each holds the reading end of a pipe whose writing end
-only the sweep has.
+end when the sweep does, however that ends: each holds the reading end of a pipe whose other
+end only the sweep has.
 """
 
 from __future__ import annotations
@@ -21,41 +21,41 @@ from .watch import Watch, WorkerContext, one_thread, start_worker
 from .worker import Outcome, Task, run_case
 
 MOST_WORKERS = 61 if os.name == "nt" else 1000
-"""Most workers: Windows cannot wait for more processes; elsewhere more would be a typing error."""
+"""Windows waits for no more processes at a time; elsewhere more would be a slip."""
 
 SCHEDULER_SECONDS = 30.0
-"""Time to wait for a scheduler, s."""
+"""How long a scheduler is waited for."""
 
 LOOK = 0.5
-"""Interval, s, after which progress is reported."""
+"""Seconds after which progress is told."""
 
 END_SECONDS = 5.0
-"""Time, s, in which workers that are asked to end should do so; then they are killed."""
+"""In which workers that are told to end do so; then they are killed."""
 
 DASK_WINDOW = 1000
-"""Number of cases handed to a cluster at a time: enough to make it grow."""
+"""Cases that are handed to a cluster at a time: enough for it to grow by."""
 
 
 @dataclass(frozen=True)
 class Workplace:
-    """A way to open an executor, and how to use it.
+    """An executor that can be had, and how to use it.
 
     Attributes
     ----------
     opened : callable
-        Function that opens the executor for the time of a block.
+        Gives the executor for the time of a block.
     window : int
-        Number of cases handed over at a time.
+        How many cases are handed over at a time.
     is_renewable : bool
-        Whether another executor can be opened when this one breaks.
+        Whether another one can be opened when this one breaks.
     blames : bool
         Whether the executor itself finds the case that kills its workers.
     takes_back : bool
-        Whether the executor itself takes back waiting cases when it is closed.
+        Whether the executor itself takes back what waits when it is closed.
     lacks_workers : callable
-        Function of the executor: whether cases wait for workers that are not there (yet).
+        Of the executor: whether cases wait for workers that are not there (yet).
     watch : Watch, optional
-        The watch that enforces the time limit of a case.
+        The time limit of a case.
     """
 
     opened: Callable[[], AbstractContextManager[Executor]]
@@ -70,12 +70,12 @@ class Workplace:
 def workplace(
     workers: int | None, executor: Executor | str | None, limit: float | None
 ) -> Workplace:
-    """The workplace of a sweep: processes on this machine by default.
+    """Where a sweep is carried out; processes on this machine by default.
 
     Raises
     ------
     InputError
-        Workers as well as an executor, or a time limit, s, with workers that cannot be ended.
+        Two places, or a time limit, s, where nobody could be ended.
     """
     if executor is None:
         return processes(workers, limit)
@@ -92,7 +92,7 @@ def workplace(
 def processes(workers: int | None = None, time_limit: float | None = None) -> Workplace:
     """Worker processes on this machine, as many as it has cores by default.
 
-    With a time limit, s, a worker that takes longer for a case is ended.
+    With a time limit a worker is ended that takes longer for a case, s.
     """
     count, watch = worker_count(workers), None if time_limit is None else Watch(time_limit)
     return Workplace(
@@ -106,8 +106,7 @@ def processes(workers: int | None = None, time_limit: float | None = None) -> Wo
 
 
 def worker_count(workers: int | None = None) -> int:
-    """The number of workers: as asked for, else the cores of this process;
-    `InputError` if invalid."""
+    """As many as asked for, or as this process may use cores; `InputError` for no such number."""
     count = cores() if workers is None else workers
     if isinstance(count, bool) or not isinstance(count, int) or not 0 < count <= MOST_WORKERS:
         raise InputError(
@@ -137,24 +136,24 @@ def dask(address: str) -> Workplace:
 
 
 def given(executor: Executor) -> Workplace:
-    """A caller's own executor, which the caller also ends."""
+    """An executor of the caller's, who also ends it."""
     if not hasattr(executor, "submit"):
         raise InputError(f"executor: expected one of concurrent.futures, got {executor!r}.")
     return Workplace(lambda: nullcontext(executor), DASK_WINDOW, is_renewable=False)
 
 
 def cores() -> int:
-    """Number of cores that this process may use, at most the workers that a pool can have."""
+    """That this process may use, at most what a pool can have."""
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return min(count or 1, MOST_WORKERS)
 
 
 @contextmanager
 def signals_held() -> Iterator[None]:
-    """Hold interruptions back: processes that start in the block start without them.
+    """Let interruptions wait: what is started in the block starts without them.
 
-    A process inherits the blocked signals of its parent; if it were interrupted during its imports,
-    it would print a traceback.
+    A process begins with the signals of its parent; one that is interrupted among its imports
+    would print where.
     """
     if not hasattr(signal, "pthread_sigmask") or not _is_main_thread():
         yield
@@ -174,9 +173,9 @@ def finished(
     at_work: dict[Future[Outcome], Task],
     tick: Callable[[], None],
 ) -> Iterator[tuple[Task, Outcome | None]]:
-    """Tasks with their outcomes, as they come; None for a task that no worker survived.
+    """Tasks with their outcomes as they come, None where no worker survived it.
 
-    `at_work` holds the tasks that the executor has.
+    `at_work` is what the executor has.
     """
     # Ends: every turn hands over or takes back a task, or waits for one that is at work.
     while queue or at_work:
@@ -191,16 +190,16 @@ def finished(
             is_deadly = type(future.exception()).__name__ == "KilledWorker"
             outcome = None if is_deadly else future.result()
             yield at_work.pop(future), outcome
-        tick()  # afterwards: it asks the scheduler, and would wait for a lost one
+        tick()  # afterwards: it asks the scheduler, and would wait for one that is lost
 
 
 @contextmanager
 def _pool(workers: int, watch: Watch | None = None) -> Iterator[Executor]:
     context = WorkerContext()
     reading, writing = context.Pipe(duplex=False)
-    reports, begun = context.Pipe(duplex=False)
+    told, begun = context.Pipe(duplex=False)
     if watch is not None:
-        watch.begin(reports, context.made)
+        watch.begin(told, context.made)
     with one_thread():
         pool = ProcessPoolExecutor(
             workers,
@@ -217,7 +216,7 @@ def _pool(workers: int, watch: Watch | None = None) -> Iterator[Executor]:
             writing.close()
             context.end(END_SECONDS)
             pool.shutdown(cancel_futures=True)
-            for end in (reading, reports, begun):
+            for end in (reading, told, begun):
                 end.close()
 
 
@@ -239,7 +238,7 @@ def _client(address: str) -> Iterator[Executor]:
 
 
 def _is_empty_cluster(executor: Executor) -> bool:
-    """Whether a scheduler has no worker; the futures report one that does not answer."""
+    """Whether a scheduler has no worker; one that does not answer is told of by its futures."""
     try:
         return not executor._client.nthreads()  # type: ignore[attr-defined]
     except (OSError, TimeoutError):

@@ -1,4 +1,4 @@
-"""A sweep as one value: a plan, what varies in it, and the files of each patient."""
+"""A sweep as one value, a plan and what varies in it, on the files of each of its patients."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from ..plan import (
 )
 from ..stent import InputFile
 from ..validation import InputError
-from .axes import DIAMETERS, PLACES, SweepAxis
+from .axes import DIAMETERS, PLACES, Axis
 from .constraints import Constraints
 
 MOST_SAMPLES = 10_000_000
-"""Largest number of samples for each patient of a sweep."""
+"""Of a sweep for each patient."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """How points are drawn: the method, their number for each patient, and the seed."""
+    """How points are drawn: the method, how many for each patient, and the seed."""
 
     method: str = "grid"
     count: int = 0
@@ -39,7 +39,7 @@ class Sampling:
 
 @dataclass(frozen=True)
 class Patient:
-    """A name, and the base plan for this patient's files with their current hashes."""
+    """A name, and the base plan on this patient's files, with the hashes of what they hold now."""
 
     name: str
     plan: Plan
@@ -52,20 +52,20 @@ class Sweep:
     Attributes
     ----------
     patients : tuple of Patient
-    axes : tuple of SweepAxis
+    axes : tuple of Axis
     sampling : Sampling
     constraints : Constraints
     stent : int
-        Number of the stent that the axes change, from 1.
+        The stent of the plan that the axes change, from 1.
     store : {"vtp", "moved"}
     folder : str
-        Folder of the document, from which paths in it start.
+        Of the document; paths in it start there.
     time_limit : float, optional
-        Time limit of each case, s, after which it has failed. It changes no result.
+        For each case, s: after it the case has failed. It changes no result.
     """
 
     patients: tuple[Patient, ...]
-    axes: tuple[SweepAxis, ...]
+    axes: tuple[Axis, ...]
     sampling: Sampling
     constraints: Constraints = Constraints()
     stent: int = 1
@@ -75,11 +75,11 @@ class Sweep:
 
 
 INPUT_KEYS = ("surface", "centerline", "units", "frame", "root", "reference", "names")
-"""Keys that a patient may have besides a name, as in the inputs of a plan."""
+"""What a patient may have besides a name, as the inputs of a plan."""
 
 
 def template_of(value: Any, folder: str) -> tuple[dict[str, Any], str]:
-    """The document of the base plan, and the folder from which its paths start."""
+    """The document of the base plan, and the folder that its paths start at."""
     if isinstance(value, Mapping):
         return dict(value), folder
     if not isinstance(value, str):
@@ -94,29 +94,29 @@ def template_of(value: Any, folder: str) -> tuple[dict[str, Any], str]:
 def patients_of(
     value: Any,
     template: Mapping[str, Any],
-    axes: tuple[SweepAxis, ...],
+    axes: tuple[Axis, ...],
     stent: int,
     folders: tuple[str, str],
 ) -> tuple[Patient, ...]:
-    """The patients that a document lists, each with a whole plan; by default the base plan's own.
+    """Everyone that a document lists, with a whole plan; the base plan's own vessel without a list.
 
     Parameters
     ----------
     value : Any
-        The list as the document has it; None if it has none.
+        As the document has it; None where it lists nobody.
     template : mapping
         The document of the base plan.
-    axes : tuple of SweepAxis
-        Axes; values that they give may be left out of the template.
+    axes : tuple of Axis
+        What they give may be left out of that.
     stent : int
-        Number of the stent that they change, from 1.
+        The one that they change, by number from 1.
     folders : tuple of two str
-        Folders from which paths start: those of the patients, and those of the base plan.
+        Those that paths start at: of the patients, and of the base plan.
 
     Raises
     ------
     InputError
-        An entry that is no patient, or one without a surface or a name of its own; an invalid plan.
+        What is no patient, or one without a name of its own or a surface; a plan that is none.
     """
     filled = _filled(template, axes, stent)
     if value is None:
@@ -143,8 +143,8 @@ def patients_of(
     return tuple(patients.values())
 
 
-def _filled(template: Mapping[str, Any], axes: tuple[SweepAxis, ...], stent: int) -> dict[str, Any]:
-    """The template as a whole plan: values that the axes give may be left out of it."""
+def _filled(template: Mapping[str, Any], axes: tuple[Axis, ...], stent: int) -> dict[str, Any]:
+    """The template as a whole plan: what the axes give may be left out of it."""
     listed = sequence(template.get("stents", []), "plan.stents")
     stents = [dict(one) if isinstance(one, Mapping) else one for one in listed]
     if not 0 < stent <= len(stents):
@@ -175,7 +175,7 @@ def _with_hashes(plan: Plan) -> Plan:
 
 
 def _hashed(file: InputFile | None) -> InputFile | None:
-    """The file with the hash of its contents, unless the document gives one."""
+    """The file with the hash of what it holds, unless the document names one."""
     if file is None or file.sha256 is not None:
         return file
     try:

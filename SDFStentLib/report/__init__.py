@@ -52,8 +52,7 @@ from .simulation import simulation_sentences as simulation_sentences
 from .sizing import balloon_sentences as balloon_sentences
 from .sizing import proposal_sentence as proposal_sentence
 from .sizing import ratio_sentence as ratio_sentence
-from .sizing import suggestion_section as suggestion_section
-from .sizing import suggestion_sentences as suggestion_sentences
+from .sizing import suggestion_facts as suggestion_facts
 from .stents import stent_facts as stent_facts
 from .stents import stent_rows as stent_rows
 from .summary import deployment_sentences as deployment_sentences

@@ -6,14 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from .branches import (
-    ALL_ROUND,
-    CONTACT,
-    NONE_NEAR,
-    again_words,
-    stretch_sentence,
-    stretches_of,
-)
+from .branches import ALL_ROUND, CONTACT, NONE_NEAR, again_words
 from .changes import stretch_words
 from .facts import COMPARED, Facts
 from .flow import flow_rows, stents_in
@@ -190,7 +183,8 @@ def _contact(document: Section, stent: Facts) -> str:
     again, number = stent.value("dilated_again_as"), stent.value("number")
     if again is not None:
         return again_words(again)
-    return "; ".join(map(stretch_sentence, stretches_of(document, number))) or ALL_ROUND
+    free = (one for one in document["apposition"] if one.value("stent") == number)
+    return "; ".join(one.named("_whole").words for one in free) or ALL_ROUND
 
 
 def _stretch(document: Section) -> Lines:

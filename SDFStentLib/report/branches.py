@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
 
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
 from ..vessel import FREE, LISTED, Apposition, NeighborLumen, Ostium
-from .facts import LINES, Fact, Facts
-from .markup import Cell, heading, paragraph, table
+from .facts import LINES, Fact, Facts, size
+from .markup import Cell, facts_table, heading, paragraph, table
 from .words import millimeters, number_text
 
 CONTACT, ALL_ROUND = "Contact with the wall", "all round"
+FREE_PART = "of the circumference is free"
 NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
 
 
@@ -60,15 +60,7 @@ def branch_facts(
 ) -> Facts:
     """One ostium beside a stent of that number, and the branch's lumen where its wall has moved."""
     before, after = (None, None) if lumen is None else (lumen.before, lumen.after)
-    places = (
-        Fact(
-            f"ostium_{end}_mm",
-            name,
-            after=place,
-            words=millimeters(place, 1, signed=True),
-        )
-        for end, name, place in (("start", "ostium from", branch.start), ("end", "to", branch.end))
-    )
+    start, end = (millimeters(one, 1, signed=True) for one in (branch.start, branch.end))
     return Facts(
         (
             Fact("stent", "stent", after=number, words=str(number)),
@@ -76,7 +68,8 @@ def branch_facts(
             Fact("ostium_mm", after=branch.center),
             Fact("ostium", after=branch.center / MILLIMETERS[units]),
             Fact("units", after=units),
-            *places,
+            Fact("ostium_start_mm", "ostium from", after=branch.start, words=start),
+            Fact("ostium_end_mm", "to", after=branch.end, words=end),
             Fact("percent_covered", after=100 * branch.covered_share),
             Fact("coverage", "ostium", after=branch.coverage, words=branch.coverage),
             Fact("lumen_{}_mm", before=before, after=after),
@@ -109,48 +102,31 @@ def _lumen_words(before: float | None, after: float | None) -> str:
     return f"{millimeters(before)} before, {millimeters(after)} after"
 
 
-def free_stretches(found: Apposition | None) -> Iterator[dict[str, float]]:
-    """The stretches without contact; a gap over an open end is not known."""
-    for stretch in () if found is None else found.stretches:
-        yield {
-            "start_mm": stretch.start,
-            "end_mm": stretch.end,
-            "percent_free": 100 * stretch.share,
-            "largest_gap_mm": stretch.largest_gap,
-        }
+def stretch_facts(stent: TreatedStent) -> Iterator[Facts]:
+    """The stretches of a stent without contact; a gap over an open end is not known."""
+    for one in () if stent.apposition is None else stent.apposition.stretches:
+        free = f"{100 * one.share:.0f} %"
+        where = f"{number_text(one.start, 1)} to {millimeters(one.end, 1)}"
+        yield Facts(
+            (
+                Fact("stent", "stent", after=stent.number, words=str(stent.number)),
+                size("start_mm", "from", one.start, 1),
+                size("end_mm", "to", one.end, 1),
+                Fact("percent_free", FREE_PART, after=100 * one.share, words=free),
+                Fact("largest_gap_mm", after=one.largest_gap),
+                Fact("_whole", words=f"{where}: {free} {FREE_PART}"),
+            )
+        )
 
 
-def stretches_of(document: Mapping[str, Any], number: int) -> list[Mapping[str, Any]]:
-    """Those of one of the stents of a report."""
-    return [one for one in document["apposition"] if one["stent"] == number]
-
-
-def stretch_sentence(one: Mapping[str, Any]) -> str:
-    """Where a stretch is, from the proximal end of the stent, and how much of it is free."""
-    return (
-        f"{number_text(one['start_mm'], 1)} to {millimeters(one['end_mm'], 1)}: "
-        f"{one['percent_free']:.0f} % of the circumference is free"
-    )
-
-
-def apposition_table(stretches: Sequence[Mapping[str, Any]]) -> list[str]:
+def apposition_table(stretches: Sequence[Facts]) -> list[str]:
     """A part of the page; nothing where the stent touches all along."""
     if not stretches:
         return []
-    rows = [
-        (
-            str(one["stent"]),
-            *(millimeters(one[f"{end}_mm"], 1) for end in ("start", "end")),
-            f"{one['percent_free']:.0f} %",
-        )
-        for one in stretches
-    ]
     note = (
         "From the proximal end of the stent. Across the ostium of a branch there is no wall to "
         "touch."
     )
-    return [
-        heading("Not in contact all round"),
-        table(rows, ("stent", "from", "to", "of the circumference is free"), ("", *"nnn")),
-        paragraph(note, "small"),
-    ]
+    looks = dict.fromkeys(("from", "to", FREE_PART), "n")
+    title = heading("Not in contact all round")
+    return [title, facts_table(stretches, looks), paragraph(note, "small")]

@@ -141,6 +141,11 @@ class Facts(tuple[Fact, ...]):
         """What is told at a level and at those before it: sentences and what has a label."""
         return [one for one in self if one.level <= level and one.words]
 
+    @property
+    def sentences(self) -> list[str]:
+        """For the shell: those that are sentences."""
+        return [one.words for one in self.at(LINES) if not one.label]
+
     def _labeled(self) -> Iterable[Fact]:
         return (one for one in self if one.label and one.words)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .branches import apposition_table, branch_table, stretches_of
+from .branches import apposition_table, branch_table
 from .changes import change_rows, setting_rows
 from .diameters import ERROR
 from .facts import LEVELS, LINES, Facts
@@ -13,7 +13,7 @@ from .flow import flow_part
 from .lesions import LEFT, covered_words, lesion_table, stent_lesions
 from .markup import beginning, heading, page, paragraph, picture, table
 from .picture.drawing import svg
-from .picture.plot import diameter_plot
+from .picture.plot import stent_plot
 from .stents import stent_titles
 from .words import input_rows, number_text, plain, plain_label
 
@@ -41,7 +41,7 @@ def html_page(sections: Section, image: bytes | str | None = None) -> str:
         *lesion_table(lesions),
         *(_lumen(document, lesions, title, stent) for title, stent in named),
         *branch_table(sections["branches"]),
-        *apposition_table(document["apposition"]),
+        *apposition_table(sections["apposition"]),
         *([heading("Pressure and flow"), *flow_part(flow)] if flow else []),
         # To check and to repeat it.
         "<div class='details'>",
@@ -83,11 +83,7 @@ def _lumen(document: Section, lesions: Sequence[Facts] | None, title: str, stent
     name = "Lumen" if title == "Stent" else f"{title}, lumen"
     values = plain(stent)
     covered = stent_lesions(lesions, values)
-    plot = diameter_plot(
-        values["diameters"],
-        stretches_of(document, values["number"]),
-        values.get("dilated_again_as"),
-    )
+    plot = stent_plot(document, values)
     degrees = (row for one in covered or () for row in one.changes())
     rows = [*stent.changes(LEVELS[:LINES]), *degrees, *stent.changes(LEVELS[LINES:])]
     head = ("over the stented length", "before", "after")

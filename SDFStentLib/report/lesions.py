@@ -15,7 +15,7 @@ from ..units import MILLIMETERS
 from ..validation import coordinates
 from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
 from .facts import Fact, Facts, size
-from .markup import heading, paragraph, table
+from .markup import facts_table, heading, paragraph
 from .words import UNKNOWN, degree_text, degrees_text, millimeters, point_words
 
 LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
@@ -237,10 +237,9 @@ def lesion_table(lesions: Sequence[Facts] | None) -> list[str]:
     title = heading("Lesions of the vessel")
     if not lesions:
         return [title, paragraph(NO_LESION)]
-    looks = {"lesion": "", "narrowest at (x, y, z)": "place", "after": "n degree", "stent": ""}
-    head = [label for label, _ in lesions[0].rows()]
-    rows = [[words for _, words in one.rows()] for one in lesions]
-    return [title, table(rows, head, [looks.get(label, "n") for label in head])]
+    numbers = ("length", "minimum diameter", "reference diameter", "diameter stenosis before")
+    looks = {"narrowest at (x, y, z)": "place", "after": "n degree", **dict.fromkeys(numbers, "n")}
+    return [title, facts_table(lesions, looks)]
 
 
 def lesions_csv(lesions: Sequence[Lesion], units: str = "mm") -> str:

@@ -110,6 +110,13 @@ def table(
     return f"<table{_class(look)}>{''.join(lines)}</table>"
 
 
+def facts_table(facts: Sequence[Facts], looks: Mapping[str, str]) -> str:
+    """A row per subject; `looks` are the classes of columns by label."""
+    head = [label for label, _ in facts[0].rows()]
+    rows = [[words for _, words in one.rows()] for one in facts]
+    return table(rows, head, [looks.get(label, "") for label in head])
+
+
 def moments_table(moments: Moments) -> str:
     """Headings, each with its rows."""
     rows: list[tuple[str, ...]] = []

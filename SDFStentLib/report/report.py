@@ -16,7 +16,7 @@ from ..treatment import lumen_into
 from ..validation import as_path, check_is_a
 from ..version import VERSION
 from ..vessel import SMALLEST_DEGREE
-from .branches import branch_facts, free_stretches
+from .branches import branch_facts, stretch_facts
 from .changes import change_section, settings_section
 from .flow import flow_section
 from .lesions import residual_facts, treated_lesion_facts
@@ -178,11 +178,7 @@ def plan_report(
             for stent in result.told.stents
             for branch in stent.branches
         ],
-        "apposition": [
-            {"stent": stent.number, **stretch}
-            for stent in result.told.stents
-            for stretch in free_stretches(stent.apposition)
-        ],
+        "apposition": [one for stent in result.told.stents for one in stretch_facts(stent)],
         "warnings": [
             caution.sentence(units=units)
             for caution in (*result.warnings, *result.size_warnings, *lost)

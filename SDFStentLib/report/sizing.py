@@ -4,39 +4,58 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from ..stent import Device, Stent
-from ..treatment import (
-    SEEN_RATIOS,
-    Seen,
-    SizeRatios,
-    Suggestion,
-)
-from ..vessel import HealthyPlace
-from .facts import Fact, Facts
+from ..treatment import SEEN_RATIOS, Seen, SizeRatios, Suggestion
+from .facts import LINES, Fact, Facts
 from .words import UNKNOWN, number_text
 
 TO_HEALTHY = "Stent : healthy vessel"
 NARROWEST, PROXIMAL, DISTAL = "where that is narrowest", "at the proximal end", "at the distal end"
 
 
-def suggestion_sentences(suggestion: Suggestion, devices: Sequence[Device] = ()) -> list[str]:
-    """The lesion, the stent, the rule and the ratios, one line each.
+def suggestion_facts(suggestion: Suggestion, devices: Sequence[Device] = ()) -> Facts:
+    """The lesion, the stent, the rule and the ratios, with a sentence on each.
 
     `devices` are the rows of the device table, among which a stent of that size is looked for.
     """
+    return Facts((*_suggestion(suggestion, devices), *ratio_facts(suggestion.ratios)))
+
+
+def _suggestion(suggestion: Suggestion, devices: Sequence[Device]) -> Iterator[Fact]:
     lesion, stent, balloon = suggestion.lesion, suggestion.stent, suggestion.stent.balloon
     assert balloon is not None
-    return [
+    sides = {"proximal": lesion.proximal, "distal": lesion.distal}
+    healthy = ", ".join(
+        f"{UNKNOWN if side is None else f'{side.diameter:.2f} mm'} {name}"
+        for name, side in sides.items()
+    )
+    about = (
         f"Lesion {suggestion.number}: {lesion.percent_diameter:.0f} % by diameter, minimum "
-        f"{lesion.minimum_diameter:.2f} mm, {lesion.length:.1f} mm long; healthy vessel "
-        f"{_side(lesion.proximal)} proximal, {_side(lesion.distal)} distal.",
-        proposal_sentence(suggestion),
-        f"Rule: {suggestion.rule}. Recoil {100 * balloon.recoil_fraction:g} %: {balloon.reason}.",
-        *_product_sentences(stent, devices),
-        ratio_sentence(suggestion.ratios),
-    ]
+        f"{lesion.minimum_diameter:.2f} mm, {lesion.length:.1f} mm long; healthy vessel {healthy}."
+    )
+    rule = f"Rule: {suggestion.rule}. Recoil {100 * balloon.recoil_fraction:g} %: {balloon.reason}."
+    product = _product_sentences(stent, devices)
+    values = {
+        "lesion": suggestion.number,
+        "lesion_length_mm": lesion.length,
+        "minimum_diameter_mm": lesion.minimum_diameter,
+        **{f"{name}_diameter_mm": side and side.diameter for name, side in sides.items()},
+        "device": stent.device and stent.device.name,
+        "balloon_diameter_mm": balloon.diameter,
+        "recoil_fraction": balloon.recoil_fraction,
+        "lumen_diameter_mm": stent.diameter,
+        "nominal_length_mm": stent.length,
+        "deployed_length_mm": suggestion.deployed_length,
+        "rule": suggestion.rule,
+        "recoil_reason": balloon.reason,
+        "product": product,
+        "warnings": [caution.sentence() for caution in suggestion.cautions()],
+    }
+    yield from (Fact(key, after=value) for key, value in values.items())
+    ratios = ratio_sentence(suggestion.ratios)
+    for sentence in (about, proposal_sentence(suggestion), rule, *product, ratios):
+        yield Fact(words=sentence, level=LINES)
 
 
 def proposal_sentence(suggestion: Suggestion) -> str:
@@ -130,31 +149,6 @@ SOURCES = _seen()
 """Ranges and medians."""
 
 
-def suggestion_section(suggestion: Suggestion, devices: Sequence[Device] = ()) -> dict[str, Any]:
-    """A proposal as values of JSON; `devices` as of `suggestion_sentences`."""
-    lesion, stent = suggestion.lesion, suggestion.stent
-    balloon = stent.balloon
-    assert balloon is not None
-    return {
-        "lesion": suggestion.number,
-        "lesion_length_mm": lesion.length,
-        "minimum_diameter_mm": lesion.minimum_diameter,
-        "proximal_diameter_mm": _diameter(lesion.proximal),
-        "distal_diameter_mm": _diameter(lesion.distal),
-        "device": None if stent.device is None else stent.device.name,
-        "balloon_diameter_mm": balloon.diameter,
-        "recoil_fraction": balloon.recoil_fraction,
-        "lumen_diameter_mm": stent.diameter,
-        "nominal_length_mm": stent.length,
-        "deployed_length_mm": suggestion.deployed_length,
-        "rule": suggestion.rule,
-        "recoil_reason": balloon.reason,
-        "product": _product_sentences(stent, devices),
-        **Facts(ratio_facts(suggestion.ratios)).as_dict(),
-        "warnings": [caution.sentence() for caution in suggestion.cautions()],
-    }
-
-
 def ratio_facts(ratios: SizeRatios) -> Iterator[Fact]:
     """The ratios of a stent; none to no stenosis."""
     healthy = ratios.healthy
@@ -171,14 +165,6 @@ def ratio_facts(ratios: SizeRatios) -> Iterator[Fact]:
 def _ratio(key: str, label: str, value: float) -> Fact:
     words = number_text(value, 2) if math.isfinite(value) else ""
     return Fact(key, label, after=value, words=words)
-
-
-def _diameter(side: HealthyPlace | None) -> float | None:
-    return None if side is None else side.diameter
-
-
-def _side(side: HealthyPlace | None) -> str:
-    return UNKNOWN if side is None else f"{side.diameter:.2f} mm"
 
 
 def balloon_sentences(stent: Stent, reference: float | None) -> list[str]:

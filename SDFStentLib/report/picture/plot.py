@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from ..branches import again_words, stretches_of
+from ..branches import again_words
 from ..stents import stent_titles
 from ..words import plain
 from .drawing import GRAY, INK, Box, Disc, Drawing, Mark, Stroke, Words, shifted
@@ -45,6 +45,12 @@ FROM_INLET = "along the centerline, from the inlet (mm)"
 
 _SIDEWAYS = (0, -70, 70)
 """By how much words may be moved off what lies under them, pixels."""
+
+
+def stent_plot(document: Mapping[str, Any], stent: Mapping[str, Any]) -> Drawing | None:
+    """The plot of one of the stents of a report document; None where nothing is known."""
+    stretches = [one for one in document["apposition"] if one["stent"] == stent["number"]]
+    return diameter_plot(stent["diameters"], stretches, stent.get("dilated_again_as"))
 
 
 def diameter_plot(
@@ -124,8 +130,7 @@ def figure(document: Mapping[str, Any]) -> Drawing:
     stents, height = document["stents"], 0
     marks: list[Mark] = []
     for title, stent in zip(stent_titles(stents), stents, strict=True):
-        stretches, again = stretches_of(document, stent["number"]), stent.get("dilated_again_as")
-        plot = diameter_plot(stent["diameters"], stretches, again)
+        plot = stent_plot(document, stent)
         words = title if plot else f"{title}: no diameter could be measured"
         marks.append(Words(words, _LEFT, height + 20, 16, anchor="start", is_bold=True))
         height += _HEADING

@@ -1,0 +1,138 @@
+"""Facts: a quantity that is listed once is told everywhere."""
+
+from __future__ import annotations
+
+import math
+from html import unescape
+
+import numpy as np
+import pytest
+from tube_files import write_tube
+
+from SDFStentLib.plan import Alternative, Plan, PlanComparison, PlanResult, run_plan
+from SDFStentLib.report import (
+    Tile,
+    comparison_document,
+    comparison_page,
+    deployment_sentences,
+    deployment_summary,
+    measured_lines,
+    plan_report,
+    result_tiles,
+    stent_rows,
+    stents,
+)
+from SDFStentLib.report.facts import COMPARED, DETAILS, GLANCE, LINES, Fact, Facts, size, width
+from SDFStentLib.report.html import html_page
+from SDFStentLib.stent import AtCenter, InputFile, Stent
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory) -> PlanResult:
+    """A stent in a narrowed tube."""
+    folder = tmp_path_factory.mktemp("facts")
+    write_tube(folder)
+    files = (InputFile(str(folder / name)) for name in ("tube.vtp", "line.vtp"))
+    stent = Stent(6.5, placement=AtCenter([0, 0, 20.0]), length=20.0)
+    return run_plan(Plan((stent,), *files, units="cm"))
+
+
+def told_everywhere(result: PlanResult) -> dict[str, object]:
+    """What every door tells of a result."""
+    (stent,), lesions = result.told.stents, result.lesions
+    report = plan_report(result)
+    both = PlanComparison(tuple(Alternative(name, result.plan, result) for name in "ab"))
+    certificate = result.treatment.certificate
+    return {
+        "document": report.as_dict()["stents"][0]["diameters"],
+        "page": unescape(html_page(report.sections)),
+        "short": deployment_summary(result).results,
+        "verbose": [*deployment_sentences(result)],
+        "table": stent_rows(result.told)[0],
+        "tiles": result_tiles([stent], lesions, certificate),
+        "at hand": measured_lines(stent, [stent], lesions, certificate),
+        "side by side": comparison_page(comparison_document(both), "No picture."),
+    }
+
+
+def test_a_number_that_is_listed_once_is_told_at_every_door(result, monkeypatch):
+    before = told_everywhere(result)
+    known = stents.lumen_facts
+
+    def with_one_more(treated):
+        yield from known(treated)
+        key, column = "diameters.trial.{}_mm", "trial_{}_mm"
+        yield width(key, "Trial number", 1.234, 5.678, level=GLANCE, column=column)
+
+    monkeypatch.setattr(stents, "lumen_facts", with_one_more)
+    told = told_everywhere(result)
+    assert told["document"]["trial"] == {"before_mm": 1.234, "after_mm": 5.678}
+    row = "<td>Trial number</td><td class='n'>1.23 mm</td><td class='n'>5.68 mm</td>"
+    assert row in told["page"]
+    assert "Trial number: 1.23 -> 5.68 mm." in told["short"]
+    assert "Trial number: 1.23 -> 5.68 mm." in told["verbose"]
+    assert (told["table"]["trial_before_mm"], told["table"]["trial_after_mm"]) == (1.234, 5.678)
+    assert Tile("Trial number", "5.7 mm", "before 1.2 mm") in told["tiles"]
+    assert "Trial number 1.2 -> 5.7 mm" in told["at hand"]
+    assert told["side by side"].count("<p>5.68 mm (before 1.23 mm)</p>") == 2
+    for door in ("short", "verbose", "tiles", "at hand"):  # and nothing else
+        assert len(told[door]) == len(before[door]) + 1
+
+
+def test_a_number_of_details_is_told_in_report_and_table_only(result, monkeypatch):
+    known = stents.lumen_facts
+    fact = size("trial_mm", "Trial number", 1.234, level=DETAILS, column="trial_mm")
+    monkeypatch.setattr(stents, "lumen_facts", lambda treated: [*known(treated), fact])
+    told = told_everywhere(result)
+    assert "<td>Trial number</td><td>1.23 mm</td>" in told["page"]
+    assert told["table"]["trial_mm"] == 1.234
+    shown = {door: "Trial number" in str(told[door]) for door in told}
+    assert [door for door, is_shown in shown.items() if is_shown] == ["page"]
+
+
+def test_of_several_stents_a_tile_has_the_worst(result, monkeypatch):
+    known = stents.lumen_facts
+    (stent,) = result.told.stents
+
+    def tile(values, worst):
+        left = iter(values)
+
+        def told(treated):
+            return [*known(treated), width("", "Trial", 1.0, next(left), level=GLANCE, worst=worst)]
+
+        monkeypatch.setattr(stents, "lumen_facts", told)
+        tiles = result_tiles([stent] * len(values), None, None)
+        return next(one.value for one in tiles if one.name == "Trial")
+
+    assert tile([3.0, 2.0, 4.0], min) == "2.0 mm"
+    assert tile([3.0, 2.0, 4.0], max) == "4.0 mm"
+    assert tile([3.0, math.nan, 4.0], max) == "not known mm"
+
+
+def test_views_of_facts():
+    facts = Facts(
+        (
+            width("lumen.{}_mm", "Lumen", 3.0, 6.0, level=GLANCE, note=", wanted", column="w_{}"),
+            size("a.b_mm", "Size", 2.0, level=COMPARED, column="b"),
+            size("a.c_mm", "None", None),
+            Fact("a.place_mm", after=np.array([1.0, 2.0, 3.0]), column="{}_mm"),
+            Fact(words="A sentence.", level=LINES),
+            Fact("_hidden", "Hidden", words="words"),
+        )
+    )
+    document = facts.as_dict()
+    assert document["lumen"] == {"before_mm": 3.0, "after_mm": 6.0}
+    assert (document["a"]["b_mm"], document["a"]["c_mm"]) == (2.0, None)
+    assert document["a"]["place_mm"].tolist() == [1.0, 2.0, 3.0]
+    assert [*document] == ["lumen", "a"]
+    table = {"w_before": 3.0, "w_after": 6.0, "b": 2.0, "x_mm": 1.0, "y_mm": 2.0, "z_mm": 3.0}
+    assert facts.columns() == table
+    assert facts.rows() == [("Size", "2.00 mm"), ("Hidden", "words")]
+    assert facts.changes() == [("Lumen", "3.00 mm", "6.00 mm")]
+    assert [str(one) for one in facts.at(COMPARED)] == [
+        "Lumen: 3.00 -> 6.00 mm, wanted",
+        "Size: 2.00 mm",
+    ]
+    assert facts.at(LINES)[-1].words == "A sentence."
+    assert str(width("", "Lumen", 3.0, math.nan)) == "Lumen: 3.00 mm -> not known"
+    assert str(width("", "Lumen", math.nan, 3.0)) == "Lumen: not known -> 3.00 mm"
