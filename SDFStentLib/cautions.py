@@ -247,6 +247,10 @@ TEMPLATES = {
         "as many steps, {cycle_s:.4g} s; tell its length{cycle} if that is another."
     ),
     "wave-beats": "{beats} beats of {cycle_s:.4g} s are alike; their average was taken.",
+    "wave-unlike-beats": (
+        "{beats} beats of {cycle_s:.4g} s are not alike; their average was taken, whose peak is "
+        "{peak:.3g} of {most:.3g} mL/s: correct the length{cycle} where they are of another one."
+    ),
     # The picture
     "picture-missing": "{reason}",
 }

@@ -275,7 +275,21 @@ def test_several_beats_that_are_alike_are_averaged_and_that_is_said(read, beats)
     wave, cautions = read(time, flow, cycle=0.8)
     assert wave.cycle == pytest.approx(0.8)
     assert wave.mean == pytest.approx(flow.mean(), rel=0.02)
-    assert [one.kind for one in cautions] == ["wave-beats"]
+    assert [one.kind for one in cautions] == ["wave-unlike-beats"]
+    most, peak = flow.max(), flow.reshape(beats, 20).mean(axis=0).max()
+    assert f"whose peak is {peak:.3g} of {most:.3g} mL/s" in str(cautions[0])
+
+
+def test_a_cycle_that_is_not_that_of_the_beats_is_told_by_what_it_takes(read):
+    """Eight beats of 0.7 s, averaged as seven of 0.8 s, kept a quarter of their peak in silence."""
+    one = systole(25, cycle=0.7, back=40)[1][:-1]
+    time = np.arange(8 * 24) * 0.7 / 24
+    right, wrong = (read(time, np.tile(one, 8), cycle=cycle) for cycle in (0.7, 0.8))
+    assert [found.kind for found in right.cautions] == ["wave-beats"]
+    assert right.wave.peak == pytest.approx(one.max(), rel=1e-3)
+    assert [found.kind for found in wrong.cautions] == ["wave-unlike-beats"]
+    assert wrong.wave.peak < one.max() / 2
+    assert "of 200 mL/s" in str(wrong.cautions[0])
 
 
 def test_a_cycle_with_two_humps_is_one_beat(read):

@@ -159,9 +159,9 @@ def _wave(rows: _Rows, cycle: float | None) -> ReadWave:
         rows, beats = closed, _beats(closed)
     else:
         rows, beats = _filled(rows, cycle)
-    rows = _folded(rows, beats)
     if beats > 1:
-        cautions.append(Caution("wave-beats", {"beats": beats, "cycle_s": float(rows.time[-1])}))
+        cautions.append(_of_beats(rows, beats))
+    rows = _folded(rows, beats)
     return ReadWave(Wave(tuple(rows.time.tolist()), tuple(rows.flow.tolist())), tuple(cautions))
 
 
@@ -233,12 +233,28 @@ def _beats(rows: _Rows) -> int:
     period = rows.time[-1]
     most = min(int(period * RATES[1] / 60), len(rows.time) // LEAST_ROWS, MOST_BEATS)
     for count in range(most, 1, -1):
-        at = np.arange(count * _SAMPLES) * period / (count * _SAMPLES)
-        each = np.interp(at, rows.time, rows.flow).reshape(count, _SAMPLES)
-        beat = each.mean(axis=0)
-        if np.sqrt(np.mean((each - beat) ** 2)) < CLOSED * np.ptp(beat):
+        apart, size = _apart(rows, count)
+        if apart < CLOSED * size:
             return count
     return 1
+
+
+def _apart(rows: _Rows, count: int) -> tuple[float, float]:
+    """How far so many beats lie from their average, root mean square, and the range of that."""
+    at = np.arange(count * _SAMPLES) * rows.time[-1] / (count * _SAMPLES)
+    each = np.interp(at, rows.time, rows.flow).reshape(count, _SAMPLES)
+    beat = each.mean(axis=0)
+    return float(np.sqrt(np.mean((each - beat) ** 2))), float(np.ptp(beat))
+
+
+def _of_beats(rows: _Rows, count: int) -> Caution:
+    """That so many beats are averaged; where they are not alike, how much that takes of them."""
+    apart, size = _apart(rows, count)
+    told: dict[str, float | str] = {"beats": count, "cycle_s": float(rows.time[-1]) / count}
+    if apart < CLOSED * size:
+        return Caution("wave-beats", told)
+    most = float(rows.flow.max()), float(_folded(rows, count).flow.max())
+    return Caution("wave-unlike-beats", told | dict(zip(("most", "peak"), most, strict=True)))
 
 
 def _filled(rows: _Rows, cycle: float) -> tuple[_Rows, int]:
