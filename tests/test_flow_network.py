@@ -26,7 +26,7 @@ from SDFStentLib.flow import (
     solved_by_svzerod,
     steady,
     svzerod_document,
-    tree_of,
+    tree_between,
 )
 from SDFStentLib.flow.blocks import Method, Stream, blocks_of, turns_of
 from SDFStentLib.flow.channels import Channel, Widths, widths_of
@@ -56,7 +56,7 @@ def block(x, narrow, wide=None, flow=10.0):
     widths = Widths(narrow, narrow if wide is None else np.asarray(wide, float))
     stream = Stream(np.array([1e-6 * flow]), np.zeros(1), np.zeros(len(x)))
     blocks = blocks_of([channel], (widths,), stream)
-    return Network(blocks, tree_of(np.array([-1])))
+    return Network(blocks, tree_between(np.array([[0, 1]]), {0: 1.0}))
 
 
 def area(diameter):
@@ -196,7 +196,11 @@ def test_blood_that_speeds_up_into_a_branch_loses_only_what_moves_across():
 
 
 def test_a_narrowing_and_flow_that_divides_are_uncertain_on_their_own():
-    x, tree, flow = np.linspace(0, 300, 601), tree_of(np.array([-1])), np.array([3e-6])
+    x, tree, flow = (
+        np.linspace(0, 300, 601),
+        tree_between(np.array([[0, 1]]), {0: 1.0}),
+        np.array([3e-6]),
+    )
     (narrowing,) = block(x, throat(x, 0.6), flow=3.0).blocks
     for one, own, other in (
         (narrowing, "loss", "divided"),
@@ -260,7 +264,10 @@ def test_a_branch_that_is_dilated_takes_no_smaller_share(seed):
             line = np.array([start, 0, 0]) + np.outer(x, [np.cos(angle), np.sin(angle), 0])
             channels.append(Channel(line, start + x, size, size, none, x, min(k, 1) - 1))
         widths = [Widths(size, size) for size in diameters]
-        network = Network(blocks_of(channels, widths, stream), tree_of(np.array([-1, 0, 0])))
+        network = Network(
+            blocks_of(channels, widths, stream),
+            tree_between(np.array([[0, 1], [1, 2], [1, 3]]), {0: 1.0}),
+        )
         state = steady(network, outlets, float(stream.flow[0]))
         shares.append(state.flow[1] / state.flow[0])
     assert shares[1] >= shares[0]
@@ -597,7 +604,8 @@ def test_over_a_wave_what_is_before_is_solved_once_and_after_for_every_stent(a_f
 
     def solve(network, outlets, known):
         asked.append(network)
-        flows = 1e-6 * known.wave.sampled(20)
+        at = np.arange(20) / 20 * known.wave.cycle
+        flows = 1e-6 * np.interp(at, known.wave.time, known.wave.flow)
         states = [steady(network, outlets, float(flow)) for flow in flows]
         return np.array([one.inlet for one in states]), np.array([one.flow for one in states])
 

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from seeds import seeds
 
-from SDFStentLib.flow import FlowModel, Network, Part, SideClues, channels_of, known_flow, tree_of
+from SDFStentLib.flow import (
+    FlowModel,
+    Network,
+    Part,
+    SideClues,
+    channels_of,
+    known_flow,
+    tree_between,
+)
 from SDFStentLib.flow.blocks import Method, Stream, blocks_of
 from SDFStentLib.flow.channels import Channel, Widths
 from SDFStentLib.flow.sharp_bends import NONE, sharp_bends
@@ -64,7 +72,9 @@ def parts(channel, widths):
 def network_of(channel, widths, method, flow=5.0):
     sharp = sharp_bends([channel], [widths])
     stream = Stream(np.array([1e-6 * flow]), np.zeros(1), np.zeros(len(channel.along)), sharp=sharp)
-    return Network(blocks_of([channel], [widths], stream), tree_of(np.array([-1])), method)
+    return Network(
+        blocks_of([channel], [widths], stream), tree_between(np.array([[0, 1]]), {0: 1.0}), method
+    )
 
 
 @pytest.mark.parametrize("radius", [0.6, 0.7, 0.8, 0.9, 1.0])

@@ -43,7 +43,6 @@ from .svzerod import solved_by_svzerod as solved_by_svzerod
 from .svzerod import svzerod_document as svzerod_document
 from .tree import Tree as Tree
 from .tree import tree_between as tree_between
-from .tree import tree_of as tree_of
 from .units import flow_value as flow_value
 from .units import time_value as time_value
 from .wave import Wave as Wave

@@ -213,13 +213,18 @@ def _step(
     return flow, pressure[:, root] + resistance[:, root] * inflow
 
 
-def lost_to(network: Costs, state_flow: Floats) -> Floats:
-    """Total pressure (..., n) lost from the first inlet to the far end of every block, Pa.
+def lost_to(network: Costs, flow: Floats) -> Floats:
+    """Total pressure (..., n) lost from the first inlet to the far end of every block, Pa."""
+    cost = (network.resistance + network.stenosis * np.abs(flow)) * flow
+    return lost_along(network.tree, cost)
 
-    That is its end where it leads away from the root of the tree, else where it begins.
+
+def lost_along(tree: Tree, cost: Floats) -> Floats:
+    """As `lost_to`, by what blocks cost along themselves (..., n), Pa.
+
+    The far end of a block is its end where it leads away from the root of the tree, else where it
+    begins.
     """
-    tree = network.tree
-    cost = (network.resistance + network.stenosis * np.abs(state_flow)) * state_flow
     lost = tree.signs * cost
     for number in tree.order[1:]:
         lost[..., number] += lost[..., tree.above[number]]

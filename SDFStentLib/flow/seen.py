@@ -10,7 +10,7 @@ import numpy as np
 from ..validation import Floats
 from .blocks import PASCAL_PER_MMHG, Blood, Method
 from .known import Known
-from .network import Network, Outlets, State
+from .network import Network, Outlets, State, lost_along
 from .outlets import Sides
 from .spans import Piece, drops_over
 
@@ -169,9 +169,7 @@ def losses_of(networks: Sequence[Network], flows: Floats, count: int) -> Floats:
     resistance, stenosis = (
         np.array([getattr(one, name) for one in networks]) for name in ("resistance", "stenosis")
     )
-    lost = tree.signs * (resistance + stenosis * np.abs(flows)) * flows
-    for number in tree.order[1:]:
-        lost[:, number] += lost[:, tree.above[number]]
+    lost = lost_along(tree, (resistance + stenosis * np.abs(flows)) * flows)
     coming = (tree.signs_of_inlets * flows[:, tree.inlets])[:, :count]
     leaving = tree.signs[tree.outlets] * flows[:, tree.outlets]
     at_inlets = -lost[:, tree.inlets[:count]]

@@ -104,13 +104,6 @@ class Tree(NamedTuple):
         return np.asarray(self.signs * away)
 
 
-def tree_of(above: Indices) -> Tree:
-    """A tree with one inlet from the block above each block, -1 for the first one."""
-    count = len(above)
-    ends = np.column_stack([above + 1, np.arange(1, count + 1)])
-    return tree_between(ends, {0: 1.0})
-
-
 def tree_between(ends: Indices, inlets: Mapping[int, float]) -> Tree:
     """Of blocks between nodes (n, 2), by the fractions of the usual flow that come in at some.
 

@@ -98,11 +98,6 @@ class Wave:
         factor = mean / self.mean
         return Wave(self.time, tuple(factor * one for one in self.flow))
 
-    def sampled(self, count: int) -> Floats:
-        """So many flows (count,) at even times of the cycle, mL/s."""
-        at = np.arange(count) * self.time[-1] / count
-        return np.interp(at, self.time, self.flow)
-
     def spread(self) -> tuple[Floats, Floats]:
         """Flows (k,), mL/s, whose shares of time (k,) tell the means over the cycle.
 
