@@ -14,12 +14,12 @@ from ..validation import InputError
 from .console import Console
 
 NEEDED = ("slicer", "trame", "trame_rca", "aiohttp", "SDFStentApp")
-"""What the extra installs, and the package of the page itself."""
+"""Packages that the extra installs, and the package of the page itself."""
 
 
 def app_command(options: argparse.Namespace, _console: Console) -> int:
     """Serve pages until Ctrl-C."""
-    told = _told(options)
+    told = _opening(options)
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
@@ -47,7 +47,7 @@ def app_command(options: argparse.Namespace, _console: Console) -> int:
 
 
 def _plans(named: str | None) -> Path | None:
-    """Where plans are kept: the folder that is named, none for `none`, else the usual one."""
+    """The folder in which plans are kept: the named one, none for `none`, else the usual one."""
     if named == "none":
         return None
     kept: Any = importlib.import_module("SDFStentApp.kept")
@@ -62,8 +62,8 @@ def _plans(named: str | None) -> Path | None:
     return folder
 
 
-def _told(options: argparse.Namespace) -> dict[str, Any]:
-    """What every page begins with; paths are absolute, for a process elsewhere."""
+def _opening(options: argparse.Namespace) -> dict[str, Any]:
+    """The settings with which every page begins; paths are absolute, for a process elsewhere."""
     for folder in options.folder:
         if not os.path.isdir(folder):
             raise InputError(f"{folder}: expected a folder, got none; correct --folder.")

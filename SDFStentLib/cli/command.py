@@ -1,4 +1,4 @@
-"""The way into the shell that imports nothing before it is taken."""
+"""The entry to the shell, which imports nothing before it is called."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command as `shell.main` does; returns its exit code.
+    """Run a command as `shell.main` does; return its exit code.
 
-    The commands import nearly all of the library and NumPy: by then signals have to be taken, and
-    the threads of linear algebra chosen.
+    The commands import nearly all of the library and NumPy: before that signals have to be handled
+    and the number of threads for linear algebra chosen.
     """
     from .shell import main as shell
 

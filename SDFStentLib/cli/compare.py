@@ -26,7 +26,8 @@ PAGES = (".html", ".htm")
 
 
 def compare_command(options: argparse.Namespace, console: Console) -> int:
-    """Carry out several plans and show them side by side; 0, or 3 when one is not certified."""
+    """Carry out several plans and show them side by side; return 0, or 3 if one is
+    not certified."""
     start = perf_counter()
     accept = options.accept_changed_inputs
     plans = {
@@ -50,7 +51,7 @@ def compare_command(options: argparse.Namespace, console: Console) -> int:
 
 
 class _Results:
-    """What is written, once it is there."""
+    """The results to write, filled in when they are there."""
 
     def __init__(self, hides_device: bool) -> None:
         self.hides_device = hides_device
@@ -72,7 +73,7 @@ class _Results:
 
 
 def _named(paths: list[str]) -> dict[str, str]:
-    """The plans by the names of their files."""
+    """The paths of the plans by the names of their files."""
     if len(paths) < 2:
         raise InputError(f"expected two or more plans to compare, got {len(paths)}; name another.")
     found: dict[str, str] = {}
@@ -88,7 +89,7 @@ def _named(paths: list[str]) -> dict[str, str]:
 
 
 def _outputs(options: argparse.Namespace, plans: dict[str, Plan], results: _Results) -> Outputs:
-    """A page, or a folder with page and document."""
+    """The outputs: a page, or a folder with page and document."""
     inputs = [
         *options.plans,
         *(
@@ -112,7 +113,7 @@ def _outputs(options: argparse.Namespace, plans: dict[str, Plan], results: _Resu
 
 
 def _tell(results: _Results, console: Console) -> None:
-    """What came of every plan, in short; the page has the rest."""
+    """Report the outcome of every plan in short; the page has the rest."""
     for one in results.comparison.alternatives:
         _tell_alternative(one, console)
     if isinstance(results.pictures, str):

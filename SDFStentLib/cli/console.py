@@ -1,4 +1,4 @@
-"""What the command line says: results on stdout, everything else on stderr."""
+"""The console of the command line: results go to stdout, everything else to stderr."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..plan import PlanResult
 
 LINES = 8
-"""Of a deployment on the screen, unless all of it is asked for."""
+"""Lines about a deployment on the screen, unless all of it is asked for."""
 
 _REMEDIES = (
     ("to", "to", " (--from, --to)"),
@@ -33,28 +33,29 @@ _REMEDIES = (
     ("shortened", "shortened", " (or --shortened: deploy what can lie there)"),
     ("devices", "device_table", "`sdfstent devices`, or give one of your own (--device-table F)"),
 )
-"""A remedy of the library's sentences, the option that does it, and how it is written there."""
+"""Remedies in the library's sentences: the name, the option that applies it, and its
+words there."""
 
 
 class Console:
-    """Where sentences go, and how many of them."""
+    """Where sentences are printed, and how many of them."""
 
     def __init__(self, options: argparse.Namespace | None = None, *, quiet: bool = False) -> None:
         self.remedies, self.quiet = remedies_of(options), quiet
         self._bar: _Bar | None = None
         self.verbose = getattr(options, "verbose", True)
         self.units = getattr(options, "units", "mm")
-        """Of the files; a plan has its own."""
+        """Unit of the files; a plan has its own."""
 
     def say(self, sentence: str = "") -> None:
-        """A line of the result; nothing when quiet."""
+        """Print a line of the result; nothing when quiet."""
         if not self.quiet:
             print(one_line(sentence))
 
     def warn(self, cautions: Iterable[Caution], thing: str = "stent", units: str = "mm") -> None:
-        """Each on a line of stderr; nothing when quiet, for the report has them too.
+        """Print each caution on a line of stderr; nothing when quiet, as the report has them too.
 
-        Places are told in mm and in the unit of the file.
+        Places are given in mm and in the unit of the file.
         """
         if not self.quiet:
             for caution in cautions:
@@ -63,27 +64,27 @@ class Console:
     def warn_shortly(
         self, cautions: Iterable[Caution], lines: int, units: str, thing: str = "stent"
     ) -> None:
-        """The gravest in so many lines at most, and how many more there are."""
-        told = by_gravity(cautions)
-        rest = len(told) - lines
+        """Print the gravest cautions in a number of lines at most, and how many more there are."""
+        graded = by_gravity(cautions)
+        rest = len(graded) - lines
         if self.verbose or rest <= 0:
-            self.warn(told, thing, units)
+            self.warn(graded, thing, units)
             return
-        self.warn(told[: lines - 1], thing, units)
-        last = told[lines - 1].sentence(thing, self.remedies, units)
+        self.warn(graded[: lines - 1], thing, units)
+        last = graded[lines - 1].sentence(thing, self.remedies, units)
         self.complain(f"{last} And {rest} more: --verbose tells them.")
 
     def complain(self, sentence: str) -> None:
-        """A sentence as a warning; nothing when quiet."""
+        """Print a sentence as a warning; nothing when quiet."""
         if not self.quiet:
             if self._bar:
                 self._bar.clear()
-            sys.stdout.flush()  # in the order in which they were said, also in one file
+            sys.stdout.flush()  # keeps the order of both streams, even in one file
             to_stderr(f"warning: {sentence}")
 
     @contextmanager
     def progress(self, what: str) -> Iterator[Any]:
-        """A bar on a terminal; yields what takes the fraction done and a note."""
+        """Show a bar on a terminal; yields a function that takes the fraction done and a note."""
         bar = _Bar(what, sys.stderr) if not self.quiet and sys.stderr.isatty() else None
         self._bar = bar
         try:
@@ -97,7 +98,7 @@ class Console:
 def tell(
     result: PlanResult, cautions: Iterable[Caution], console: Console, label: str = ""
 ) -> None:
-    """Say what came of a deployment, the certificate last; the line of its files is the caller's.
+    """Report a deployment, the certificate last; the caller adds the line about its files.
 
     Every sentence, warnings too, begins with `label`.
     """
@@ -107,31 +108,31 @@ def tell(
     console.say(label + summary.deployed)
     labeled = [caution.labeled(label) for caution in cautions]
     units = result.inputs.surface.units
-    # The first line and that of the files are told apart.
+    # The first line and that about the files are printed separately.
     console.warn_shortly(labeled, LINES - 2 - len(summary.results), units)
-    told = deployment_sentences(result) if console.verbose else summary.results
-    for sentence in told:
+    sentences = deployment_sentences(result) if console.verbose else summary.results
+    for sentence in sentences:
         console.say(label + sentence)
 
 
 def remedies_of(options: argparse.Namespace | None) -> dict[str, str]:
-    """How the options of a command are named in the library's sentences."""
+    """Words for the options of a command in the library's sentences."""
     return {remedy: words for remedy, option, words in _REMEDIES if hasattr(options, option)}
 
 
 def error_line(sentence: str) -> None:
-    """The one sentence of a failure."""
+    """Print the one sentence of a failure."""
     to_stderr(sentence.translate({ord("\n"): " "}))
 
 
 def to_stderr(sentence: str) -> None:
-    """A line of stderr; nothing where nobody can take it, such as a full disk."""
+    """Print a line to stderr, or nothing where nobody can take it, as on a full disk."""
     with suppress(OSError):
         print(one_line(sentence), file=sys.stderr, flush=True)
 
 
 class _Bar:
-    """One line that is written again and again, and wiped at the end."""
+    """A progress bar: one line that is rewritten again and again, and wiped at the end."""
 
     WIDTH = 30
 
@@ -152,4 +153,4 @@ class _Bar:
 
 
 def ignored(fraction: float, note: str = "") -> None:
-    """Not a terminal: no bar."""
+    """Progress without a terminal: shows no bar."""

@@ -39,17 +39,18 @@ from .console import Console, tell
 from .outputs import Outputs
 
 BALLOON_DIAMETER = 7.5
-"""Of the demo, mm: by its recoil it leaves the 7 mm of the healthy branch, as `suggest` has it."""
+"""Balloon diameter of the demo, mm: after recoil it leaves the 7 mm of the healthy branch, as
+`suggest` proposes."""
 
 STENT_ENDS = (26.0, 37.0)
-"""Arc lengths on the main and left pulmonary artery, mm: over the whole lesion, and hardly over the
-other branch, whose junction is at 24."""
+"""Arc lengths of the stent's ends on the main and left pulmonary artery, mm: the stent covers the
+whole lesion and hardly the other branch, whose junction is at 24."""
 
 NOT_CERTIFIED = 3
 
 
 def demo_command(options: argparse.Namespace, console: Console) -> int:
-    """Make a patient, treat it, and write everything into a folder."""
+    """Make a patient, treat it, and write all files into a folder."""
     start = perf_counter()
     folder = Path(options.output)
     outputs = Outputs(folder=folder)
@@ -78,7 +79,8 @@ def demo_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def _placed_in(folder: Path, inputs: InputFiles) -> InputFiles:
-    """The inputs under the names where they end up: plan and report outlive the workshop."""
+    """The inputs with the paths of their final places: plan and report outlive the temporary
+    folder."""
     surface, line_file = inputs.surface, inputs.line_file
     assert line_file is not None
     return replace(
@@ -103,7 +105,7 @@ def _plan(phantom: Phantom, inputs: InputFiles) -> Plan:
 
 
 def _written_patient(phantom: Phantom, folder: Path) -> list[Path]:
-    """The surface with SimVascular's face ids, and the centerline as VMTK would give it."""
+    """Write the surface with SimVascular's face ids, and the centerline as VMTK would give it."""
     surface = polydata_from_arrays(
         phantom.points, phantom.triangles, cell_arrays={"ModelFaceID": phantom.face_ids}
     )
@@ -120,7 +122,7 @@ def _written_patient(phantom: Phantom, folder: Path) -> list[Path]:
 
 
 def _add_results(outputs: Outputs, folder: Path, result: PlanResult) -> list[Caution]:
-    """Everything that comes of the treatment; returns what was left out."""
+    """Add all results of the treatment to the outputs; return cautions about what is missing."""
     missing: list[Caution] = []
     picture = None
     try:

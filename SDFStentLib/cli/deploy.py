@@ -51,7 +51,7 @@ NOT_CERTIFIED = 3
 
 
 def deploy_command(options: argparse.Namespace, console: Console) -> int:
-    """Deploy one stent; 0, or 3 when the certificate fails."""
+    """Deploy one stent; return 0, or 3 if the certificate fails."""
     start = perf_counter()
     check_sizes(options)
     device = device_of(options)
@@ -60,7 +60,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
     assert way is not None
     read = [options.surface, options.centerline, options.axis, options.names]
     outputs = Outputs([*read, options.device_mesh, options.wave])
-    job = _Job(options, console, outputs)
+    job = _PlanJob(options, console, outputs)
     check_surface_output(options.output)
     outputs.add(options.output, job.write_surface)
     if options.output_centerline:
@@ -86,7 +86,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def run_command(options: argparse.Namespace, console: Console) -> int:
-    """Carry out a plan; 0, or 3 when the certificate fails."""
+    """Carry out a plan; return 0, or 3 if the certificate fails."""
     start = perf_counter()
     plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
     console.units = plan.units
@@ -98,7 +98,7 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
             "its mean flow, see docs/plan.md, or leave --export-0d out."
         )
     outputs = Outputs(inputs, options.output)
-    job = _Job(options, console, outputs)
+    job = _PlanJob(options, console, outputs)
     job.plan = plan
     folder = Path(options.output)
     if plan.surface is not None:
@@ -122,7 +122,7 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
     return job.done(read_plan_inputs(plan, accept_changed_inputs=accept), start)
 
 
-class _Job:
+class _PlanJob:
     """A plan on its way from the options to the outputs."""
 
     def __init__(self, options: argparse.Namespace, console: Console, outputs: Outputs) -> None:
@@ -136,7 +136,7 @@ class _Job:
         self._picture: bytes | str = ""
 
     def add_common(self) -> None:
-        """The outputs that `deploy` and `run` share."""
+        """Add the outputs that `deploy` and `run` share."""
         figure, picture = self.options.figure, self.options.picture
         if figure:
             check_suffix(figure, "a figure", FIGURE_SUFFIXES)
@@ -161,7 +161,7 @@ class _Job:
             raise InputError("expected --steps DIR with --every, got none; add it.")
 
     def add_device(self) -> None:
-        """The struts of the stents, or the user's mesh in their place."""
+        """Add the struts of the stents, or the user's mesh instead, to the outputs."""
         path = self.options.export_device
         if path:
             check_suffix(path, "a device", (".vtp",))
@@ -170,7 +170,7 @@ class _Job:
             raise InputError("expected --export-device F with --device-mesh, got none; add it.")
 
     def done(self, inputs: InputFiles, start: float) -> int:
-        """Deploy, write, and say what came of it; the exit code."""
+        """Deploy, write, and report; return the exit code."""
         self.plan = as_read(self.plan, inputs)
         if self.options.device_mesh:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
@@ -192,16 +192,16 @@ class _Job:
         return 0 if certificate is None or certificate.passed else NOT_CERTIFIED
 
     def write_surface(self, path: Path) -> Sequence[Caution]:
-        """The treated surface; comes first, so that the report can tell what was lost."""
+        """Write the treated surface, as the first file, so that the report has what was lost."""
         self.lost = self._result.write_surface(path, arrays=self.options.arrays)
         return self.lost
 
     def write_centerline(self, path: Path) -> Sequence[Caution]:
-        """The moved centerline."""
+        """Write the moved centerline."""
         return self._result.write_centerline(path)
 
     def write_report(self, path: Path) -> Sequence[Caution]:
-        """JSON or HTML; a page without its picture is better than none."""
+        """Write JSON or HTML; a page without its picture is better than none."""
         picture = None if path.suffix.lower() == ".json" else self.picture
         write_report(self._report(picture), path)
         if isinstance(picture, str):
@@ -209,24 +209,25 @@ class _Job:
         return []
 
     def write_figure(self, path: Path) -> None:
-        """The diameters along the stents."""
+        """Write the figure of the diameters along the stents."""
         write_report_figure(self._report(), path)
 
     def flow(self) -> FlowAnswer:
-        """Of a plan that has a flow."""
+        """The flow of a plan that has one."""
         answer = self._result.flow
         assert answer is not None
         return answer
 
     def write_picture(self, path: Path) -> None:
-        """The vessel before and after."""
+        """Write the picture of the vessel before and after."""
         if isinstance(self.picture, str):
             raise DeploymentError(self.picture)
         path.write_bytes(self.picture)
 
     @property
     def picture(self) -> bytes | str:
-        """The vessel before and after, drawn once, or why it could not be."""
+        """The picture of the vessel before and after, drawn once, or the reason why it could not
+        be."""
         if not self._picture:
             from ..report import before_after_picture
 
@@ -239,7 +240,7 @@ class _Job:
         return self._picture
 
     def write_plan(self, path: Path, final: str | os.PathLike[str]) -> None:
-        """The plan, its files relative to the folder where it will be."""
+        """Write the plan, with its files relative to the folder where it will be."""
         save_plan(self.plan, path, relative_to=os.path.dirname(os.path.abspath(final)))
 
     @property
@@ -249,6 +250,6 @@ class _Job:
 
     def _report(self, picture: bytes | str | None = None) -> Report:
         seconds = perf_counter() - self.write_start
-        # The file has not got its final name yet.
+        # The file does not have its final name yet.
         lost = tuple(replace(caution, label="") for caution in self.lost)
         return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)

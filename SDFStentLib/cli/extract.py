@@ -1,4 +1,5 @@
-"""The commands `extract` and `centerline`: a segment of a vessel, the lines of a bare surface."""
+"""The commands `extract`, for a segment of a vessel, and `centerline`, for the lines
+of a surface."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ from .place import ends_of, in_mm, names_of, root_of, treated_of
 
 
 def extract_command(options: argparse.Namespace, console: Console) -> int:
-    """Write the segment between two places, before treatment and after."""
+    """Write the segment between two places, before and after treatment."""
     ends = ends_of(options)
     outputs = Outputs([options.surface, options.centerline, options.after, options.names])
     outputs.add_folder(

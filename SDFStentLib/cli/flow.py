@@ -1,4 +1,4 @@
-"""The commands `flow` and `simulate`: what flows before and after, by a network and in 3D."""
+"""The commands `flow` and `simulate`: flow before and after, by a network and in 3D."""
 
 from __future__ import annotations
 
@@ -56,11 +56,11 @@ from .outputs import Outputs
 from .place import ends_of, names_of, root_of, treated_of
 
 LISTED = 3
-"""Narrowings that are told on the screen."""
+"""Number of narrowings that are listed on the screen."""
 
 
 def flow_command(options: argparse.Namespace, console: Console) -> int:
-    """Tell pressures and flows before and after a plan."""
+    """Report pressures and flows before and after a plan."""
     plan = _plan(options)
     if plan is not None:
         console.units = plan.units
@@ -76,7 +76,7 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
         outputs.add(path, lambda made: _write(made, document))
     add_networks(outputs, options.export_0d, lambda: answer)
     inputs = _read(options, plan)
-    # What cannot be known of this vessel is refused before anything is deployed.
+    # Values that do not fit this vessel are refused before anything is deployed.
     model = flow_model(inputs.vessel, known, inputs.surface.frame)
     result = None if plan is None else _deployed(plan, inputs, console)
     cautions = inputs.warnings if result is None else (*inputs.warnings, *result.warnings)
@@ -93,7 +93,7 @@ def flow_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def _plan(options: argparse.Namespace) -> Plan | None:
-    """The plan, with the files that are named."""
+    """The plan, with the files that the options name."""
     if options.plan is None:
         return None
     plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
@@ -110,7 +110,7 @@ def _plan(options: argparse.Namespace) -> Plan | None:
 
 
 def _read(options: argparse.Namespace, plan: Plan | None) -> InputFiles:
-    """The vessel."""
+    """The input files, by the options or by the plan."""
     if plan is None:
         marks = Marks(root_of(options), names=names_of(options))
         return read_input_files(options.surface, options.centerline, options.units, marks)
@@ -118,7 +118,7 @@ def _read(options: argparse.Namespace, plan: Plan | None) -> InputFiles:
 
 
 def _deployed(plan: Plan, inputs: InputFiles, console: Console) -> TreatmentResult:
-    """What a plan makes of its vessel."""
+    """The result of carrying out a plan."""
     treatment = treatment_of(plan, inputs)
     with console.progress("Deploying") as show:
         for state in treatment:
@@ -131,7 +131,7 @@ def _write(
     document: dict[str, Any],
     made_page: Callable[[dict[str, Any]], str] = flow_page,
 ) -> None:
-    """A document as JSON, or as a page."""
+    """Write a document as JSON or as a page."""
     if path.suffix.lower() == ".html":
         path.write_text(made_page(document), encoding="utf-8")
         return
@@ -139,7 +139,7 @@ def _write(
 
 
 def simulate_command(options: argparse.Namespace, console: Console) -> int:
-    """Cut, mesh and solve a vessel before and after, or tell what a solver has found."""
+    """Cut, mesh and solve a vessel before and after, or report the results of a solver."""
     _check_simulate(options)
     document: dict[str, Any] = {}
     if options.read is not None:
@@ -176,7 +176,7 @@ def simulate_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def _check_simulate(options: argparse.Namespace) -> None:
-    """What is needed is there, and what is not is not."""
+    """Refuse missing options, and options that do not go together."""
     needed = {
         "SURFACE": options.surface,
         "--after": options.after,
@@ -201,7 +201,7 @@ def _check_simulate(options: argparse.Namespace) -> None:
 def _prepared(
     options: argparse.Namespace, known: Known, console: Console
 ) -> tuple[Prepared, Origin]:
-    """The vessel cut and meshed."""
+    """The vessel, cut and meshed, and its origin."""
     marks = Marks(root_of(options), names=names_of(options))
     read = read_input_files(options.surface, options.centerline, options.units, marks)
     after, frame = treated_of(options, read), read.surface.frame
@@ -225,7 +225,7 @@ def _prepared(
 def _results(
     inputs: Sequence[Any], options: argparse.Namespace, document: dict[str, Any]
 ) -> Outputs:
-    """The files of results, checked before anything is solved; the document is filled later."""
+    """The files of results, checked before anything is solved; the document is filled in later."""
     outputs = Outputs(inputs)
     for path in [*([options.json] if options.json else []), *options.report]:
         check_suffix(path, "results", (".json", ".html"))
@@ -236,7 +236,7 @@ def _results(
 def _tell_results(
     folder: Path, results: Outputs, document: dict[str, Any], console: Console
 ) -> int:
-    """What a solver has found, on the screen and in files."""
+    """Report the results of a solver, on the screen and in files."""
     document.update(simulation_document(read_results(folder)))
     results.write()
     for sentence in simulation_sentences(document):

@@ -32,13 +32,14 @@ from .place import check_place, inputs_of, place_of
 NOT_SOUND = 3
 
 LINES = 8
-"""Of a vessel on the screen, without the tables that are asked for, unless all of it is."""
+"""Lines about a vessel on the screen, apart from requested tables, unless all of it
+is asked for."""
 
 LISTED = 5
-"""Of many lesions, the first ones."""
+"""Number of lesions that are listed if there are many."""
 
 _PROBE_DIAMETER = 1.0
-"""Of the stent that stands for the place to be measured, mm; it only has to be some number."""
+"""Diameter of the stent that stands for the place to be measured, mm; any number will do."""
 
 
 def measure_command(options: argparse.Namespace, console: Console) -> int:
@@ -67,23 +68,23 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         document = _document(inputs, lines, warnings, smallest)
         print(document_json(document), end="")
         return 0
-    told: list[str] = []
+    said: list[str] = []
     if vessel.lesions is not None and vessel.root is not None:
         filed = filed_point(vessel.root, units)
-        told.append(f"Proximal is the end at {filed} {units}; --root X Y Z names another one.")
-        told += _lesion_lines(inputs, smallest, is_short=not options.verbose)
-    console.warn_shortly(warnings, max(LINES - len(told), 1), units, thing="part")
-    print("\n".join(told), end="\n" if told else "")
+        said.append(f"Proximal is the end at {filed} {units}; --root X Y Z names another one.")
+        said += _lesion_lines(inputs, smallest, is_short=not options.verbose)
+    console.warn_shortly(warnings, max(LINES - len(said), 1), units, thing="part")
+    print("\n".join(said), end="\n" if said else "")
     for line in lines:
         print(diameter_table(line, units))
     return 0
 
 
 def _lesion_lines(inputs: InputFiles, smallest: float, *, is_short: bool) -> list[str]:
-    """The lesions, or the first ones of many."""
+    """Lines about the lesions, or about the first ones of many."""
     lesions, units = inputs.vessel.lesions or (), inputs.surface.units
     large, small = lesions_by_size(lesions, smallest)
-    # Sections are cut for every sentence: none is made that is not told.
+    # Sections are cut for every sentence, so only those that are printed are made.
     if not is_short or 2 * len(large) + bool(small) < LINES:
         return lesion_list(lesions, units, smallest, "; --smallest-vessel 0 lists them")
     count = len(large[LISTED:]) + len(small)
@@ -97,7 +98,7 @@ def _lesion_lines(inputs: InputFiles, smallest: float, *, is_short: bool) -> lis
 
 
 def check_command(options: argparse.Namespace, _console: Console) -> int:
-    """Say whether a surface is sound; 3 when it is not."""
+    """Report whether a surface is sound; return 3 if it is not."""
     inputs = read_input_files(options.surface, units=options.units)
     surface = inputs.surface
     check = inputs.vessel.check(surface.precision)
@@ -121,7 +122,7 @@ def check_command(options: argparse.Namespace, _console: Console) -> int:
 def _lines(
     options: argparse.Namespace, way: str | None, inputs: InputFiles, spacing: float
 ) -> tuple[list[MeasuredLine], list[Caution]]:
-    """What is asked for, measured, and warnings."""
+    """The requested lines, measured, and warnings."""
     vessel, warnings = inputs.vessel, list(inputs.warnings)
     if way is None:
         warnings += vessel.lesion_cautions
@@ -149,10 +150,10 @@ def _lines(
             surface_name=str(surface.path),
             centerline_name=options.axis,
         )
-    # Of what is said about a stent, the junctions and the length hold for a part to measure.
-    told = [caution for caution in axis.warnings if caution.kind != "tight-bend"]
+    # Cautions about a stent hold for a part to measure, too, except that about a tight bend.
+    found = [caution for caution in axis.warnings if caution.kind != "tight-bend"]
     part = MeasuredLine("Part", axis.line, vessel.diameters(axis.line, spacing))
-    return [part], [*warnings, *place.warnings, *told]
+    return [part], [*warnings, *place.warnings, *found]
 
 
 def _write_lesions(path: Path, inputs: InputFiles) -> None:

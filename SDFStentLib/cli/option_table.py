@@ -1,4 +1,4 @@
-"""How a command line is read: what a word is taken for, options from tables, and a parser."""
+"""Parsing of the command line: types of words, options from tables, and the parser."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ TALK = """\
 
 
 def number(text: str) -> float:
-    """A number."""
+    """A word as a number."""
     try:
         return float(text)
     except ValueError:
@@ -61,7 +61,7 @@ def number(text: str) -> float:
 
 
 def whole(text: str) -> int:
-    """A whole number."""
+    """A word as a whole number."""
     try:
         return int(text)
     except ValueError:
@@ -69,8 +69,8 @@ def whole(text: str) -> int:
 
 
 def path(text: str) -> str:
-    """The name of a file, a folder or a device."""
-    # Nothing would be taken for the working folder, or for an option that is left out.
+    """A word as the name of a file, a folder or a device."""
+    # An empty word would be taken for the working folder, or for an option that is left out.
     if not text:
         raise argparse.ArgumentTypeError("expected a file or folder, got nothing")
     return text
@@ -84,7 +84,7 @@ KINDS = {
     "SURFACE|PLAN.json": path,
     "N": whole,
 }
-"""What a word is taken for, by what stands for it; any other is a text."""
+"""Types of words by their metavar; words of any other metavar are text."""
 
 _ROW = re.compile(
     r"(?P<flags>\S+(?:, --\S+)?)(?P<metavar>(?: [A-Z{]\S*)*)"
@@ -93,10 +93,10 @@ _ROW = re.compile(
 
 
 def add_table(group: argparse._ActionsContainer, table: str, **more: Any) -> None:
-    """An option a line: `--name METAVAR = default ...  words`, dots where it may be repeated.
+    """Add an option per line: `--name METAVAR = default ...  words`, dots if it may be repeated.
 
     Without a metavar it is a switch, without dashes a positional argument; choices stand in braces.
-    An indented line goes on with the words. What argparse takes besides, such as `required`, goes
+    An indented line continues the words. Further arguments of argparse, such as `required`, apply
     to all of them.
     """
     for line in re.sub(r"\n +", " ", table).strip().splitlines():
@@ -126,15 +126,15 @@ def add_table(group: argparse._ActionsContainer, table: str, **more: Any) -> Non
 def add_parameter(
     group: argparse._ActionsContainer, parameter: Parameter, default: Any = None, dest: str = ""
 ) -> None:
-    """The option of a parameter; `dest` is its attribute where that is not the option's name."""
+    """Add the option of a parameter; `dest` is its attribute if that is not the option's name."""
     option = f"--{parameter.option}"
     more: dict[str, Any] = {"dest": dest or parameter.option.replace("-", "_")}
     if not (parameter.names or parameter.is_number):
         words = f"do not {parameter.does}" if default else parameter.does
         group.add_argument(option, action=f"store_{not default}".lower(), help=words, **more)
         return
-    told = [parameter.unit, "" if default is None else f"default {default}".removesuffix(".0")]
-    words = " ".join([parameter.does, *[f"({', '.join(filter(None, told))})"][: any(told)]])
+    extras = [parameter.unit, "" if default is None else f"default {default}".removesuffix(".0")]
+    words = " ".join([parameter.does, *[f"({', '.join(filter(None, extras))})"][: any(extras)]])
     if parameter.names:
         more["choices"] = parameter.names
     else:
@@ -143,7 +143,7 @@ def add_parameter(
 
 
 def add_method(command: argparse.ArgumentParser) -> None:
-    """How it is deployed: the parameters of the method that have an option, in their order."""
+    """Add the parameters of the method that have an option, in their order."""
     group = command.add_argument_group("method")
     for name, parameter in method_parameters().items():
         if parameter.option:
@@ -151,13 +151,13 @@ def add_method(command: argparse.ArgumentParser) -> None:
 
 
 def method_of(options: argparse.Namespace) -> Plan:
-    """A plan without stents and files, with the parameters that were asked for."""
+    """A plan without stents and files, with the requested parameters."""
     parameters = method_parameters().items()
     return plan_of_method({name: getattr(options, name) for name, one in parameters if one.option})
 
 
 def add_schema(command: argparse.ArgumentParser, documents: str) -> None:
-    """The option that prints the JSON schema of plans or of sweeps."""
+    """Add the option that prints the JSON schema of plans or of sweeps."""
 
     def text() -> str:
         if documents == "plans":
@@ -171,17 +171,18 @@ def add_schema(command: argparse.ArgumentParser, documents: str) -> None:
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that says in one sentence what is wrong."""
+    """A parser that reports an error in one sentence."""
 
     def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
-        """As inherited, but what is left over is an error of the command that it was given to."""
+        """As inherited, but words left over are an error of the command to which
+        they were given."""
         options, rest = super().parse_known_args(args, namespace)
         if rest:
             self.error(f"unrecognized arguments: {' '.join(rest)}{self._nearest(rest)}")
         return options, rest
 
     def _nearest(self, words: Sequence[str]) -> str:
-        """Which option may have been meant by the first one that is none."""
+        """The option that may have been meant by the first unknown one."""
         names = [word.split("=")[0] for word in words if word.startswith("-")]
         known = re.findall(r"(?<![\w-])--[a-z0-9][\w-]*", self.format_help())
         if not names:
@@ -191,13 +192,13 @@ class Parser(argparse.ArgumentParser):
         return f", the nearest option is {near[0]}" if near else ""
 
     def error(self, message: str) -> NoReturn:
-        """End with the sentence on stderr and exit code 2."""
+        """Exit with the sentence on stderr and exit code 2."""
         message = message.replace("3 arguments", "three numbers with spaces between them")
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help.\n")
 
 
 class Printed(argparse.Action):
-    """Prints what a function gives, and ends."""
+    """An action that prints what a function returns, and exits."""
 
     def __init__(
         self, option_strings: Sequence[str], dest: str, const: Callable[[], str], help: str

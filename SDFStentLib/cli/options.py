@@ -87,7 +87,7 @@ def parser() -> Parser:
 
 
 def _first_of_deploy() -> Parser:
-    """What everyone needs of `deploy`: its own short help, and the beginning of the long one."""
+    """The first options of `deploy`: its own short help, and the beginning of the long one."""
     first = Parser(
         prog="sdfstent deploy",
         usage="sdfstent deploy SURFACE -o OUT --centerline FILE --center X Y Z --length L "

@@ -15,10 +15,10 @@ from ..validation import InputError
 from .signals import check_interrupted, uninterrupted, uninterrupted_from_now
 
 Writer = Callable[[Path], "Iterable[Caution] | None"]
-"""Writes to a path; may return what could not be kept."""
+"""A function that writes to a path; it may return cautions about what could not be kept."""
 
 
-class _Job(NamedTuple):
+class _OutputJob(NamedTuple):
     path: str
     target: Path
     write: Writer
@@ -29,16 +29,16 @@ class _Job(NamedTuple):
 class Outputs:
     """Files and folders that a command writes, checked at once and written at the end.
 
-    Everything is written beside its place first and moved there when all of it is done: a
-    failure or an interruption leaves no output, or all of them. What runs that were killed have
-    left in the folders of the outputs is finished or undone first.
+    Everything is first written beside its place, and moved there when all of it is done: a failure
+    or an interruption leaves either no output or all of them. Remains of killed runs in the folders
+    of the outputs are finished or undone first.
 
     Parameters
     ----------
     inputs : sequence of paths
         Files that may not be overwritten.
     folder : path, optional
-        A folder that is made for the outputs when it is missing; its parent must exist.
+        A folder that is made for the outputs if it is missing; its parent must exist.
     """
 
     def __init__(
@@ -48,25 +48,26 @@ class Outputs:
     ) -> None:
         self._inputs = {os.path.realpath(path) for path in inputs if path is not None}
         self._folder = None if folder is None else _check_folder(folder)
-        self._jobs: list[_Job] = []
+        self._jobs: list[_OutputJob] = []
 
     def add(
         self, path: str | os.PathLike[str], write: Writer, *, may_be_missing: bool = False
     ) -> None:
-        """A file; `InputError` when it cannot be written, is an input, or is named twice.
+        """Add a file; `InputError` if it cannot be written, is an input, or is named twice.
 
-        A writer that `may_be_missing` may leave it out; then an older one goes, too.
+        If it `may_be_missing`, its writer may leave it out; an older file is then removed.
         """
         target = Path(os.path.realpath(path))
         sweep(target.parent)
         if self._folder is None or target.parent != self._folder or self._folder.is_dir():
             target = check_writable(path)
-        self._add(_Job(os.fspath(path), target, write, may_be_missing))
+        self._add(_OutputJob(os.fspath(path), target, write, may_be_missing))
 
     def add_folder(
         self, path: str | os.PathLike[str], write: Writer, own: Callable[[str], bool]
     ) -> None:
-        """A folder that is new, empty, or holds only files of its own kind, which it replaces."""
+        """Add a folder that is new, empty, or holds only files of its own kind,
+        which it replaces."""
         sweep(Path(os.path.realpath(path)).parent)
         target = _check_folder(path, may_come=self._folder)
         if os.path.ismount(target):
@@ -80,14 +81,14 @@ class Outputs:
                 f"{path}: expected a new or empty folder, got one that holds {sorted(others)[0]}; "
                 "name another one."
             )
-        self._add(_Job(os.fspath(path), target, write, is_folder=True))
+        self._add(_OutputJob(os.fspath(path), target, write, is_folder=True))
 
     def names(self) -> list[str]:
-        """What is written, as the user named it."""
+        """The outputs, as the user named them."""
         return [job.path for job in self._jobs]
 
     def write(self) -> list[Caution]:
-        """Write everything; returns what the writers could not keep, under the final names.
+        """Write everything; return cautions about what was not kept, under the final names.
 
         Raises
         ------
@@ -113,7 +114,7 @@ class Outputs:
                 uninterrupted_from_now()
         return lost
 
-    def _add(self, job: _Job) -> None:
+    def _add(self, job: _OutputJob) -> None:
         if str(job.target) in self._inputs:
             raise InputError(
                 f"{job.path}: expected another file than the input, which would be overwritten; "
@@ -126,8 +127,8 @@ class Outputs:
             if folder.is_folder:
                 self._check_replaced(folder)
 
-    def _check_replaced(self, folder: _Job) -> None:
-        """A folder is replaced as a whole: nothing else may lie in it."""
+    def _check_replaced(self, folder: _OutputJob) -> None:
+        """Refuse other outputs or inputs in a folder that is replaced as a whole."""
         others = [*self._inputs, *(str(job.target) for job in self._jobs if job is not folder)]
         inside = [path for path in others if folder.target in Path(path).parents]
         if inside:
@@ -138,7 +139,7 @@ class Outputs:
 
     @contextmanager
     def _made_folder(self) -> Iterator[None]:
-        """The folder of the outputs, removed again when writing fails."""
+        """Make the folder of the outputs; remove it again if writing fails."""
         folder = self._folder
         if folder is None or folder.is_dir():
             yield
@@ -156,7 +157,7 @@ class Outputs:
 
 
 def _check_folder(path: str | os.PathLike[str], may_come: Path | None = None) -> Path:
-    """The folder, which exists and may be written, or can be made; one in `may_come` can."""
+    """The folder, if it may be written or can be made; one in `may_come` always can."""
     target = Path(os.path.realpath(path))
     try:
         is_there = target.exists()
@@ -170,8 +171,8 @@ def _check_folder(path: str | os.PathLike[str], may_come: Path | None = None) ->
     return target
 
 
-def _written(job: _Job, staged: Path) -> list[Caution]:
-    """Write one output where it is staged; what it could not keep, under the final name."""
+def _written(job: _OutputJob, staged: Path) -> list[Caution]:
+    """Write one output where it is staged; return what it could not keep, under its final name."""
     try:
         found = job.write(staged) or ()
     except OSError as error:

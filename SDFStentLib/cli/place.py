@@ -30,7 +30,7 @@ from ..validation import InputError
 
 
 class Place(NamedTuple):
-    """Where, and what was noticed on reading it."""
+    """A placement, and cautions from reading it."""
 
     placement: Placement
     warnings: tuple[Caution, ...]
@@ -39,25 +39,25 @@ class Place(NamedTuple):
 def check_place(
     options: argparse.Namespace, *, needed: bool, has_length: bool | None = None
 ) -> str | None:
-    """Which of the ways to say where is used, before any file is read.
+    """The way in which the options give the place, checked before any file is read.
 
     Parameters
     ----------
     options : argparse.Namespace
     needed : bool
-        Whether one has to be.
+        Whether there has to be a place.
     has_length : bool, optional
         Whether a length is known; by default whether the options have one.
 
     Returns
     -------
     str or None
-        center, distal, proximal, from, axis, or None when nothing says where.
+        center, distal, proximal, from, axis, or None if no option gives a place.
 
     Raises
     ------
     InputError
-        None although one is needed, several, or one without what belongs to it.
+        No place although one is needed, several places, or one without what belongs to it.
     """
     for name in ("root", "reference", "names"):
         if getattr(options, name) and options.centerline is None:

@@ -1,4 +1,4 @@
-"""The command `sdfstent`: reads the command line, and turns every failure into one sentence."""
+"""The command `sdfstent`: parses the command line and turns every failure into one sentence."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ _BESIDE = {
     "simulate": "flow",
     "devices": "suggest",
 }
-"""Commands that are in the file of another one."""
+"""Commands that share the file of another command."""
 
 _NEGATIVE = re.compile(r"-\.?\d[^.]*(\.(\d[^.]*|[eE][-+]?\d+|\w+/\w+)?)?")
-"""A number, with a unit or without; no name of a file such as -1.vtp."""
+"""A negative number with or without a unit, unlike the name of a file such as -1.vtp."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command; returns its exit code.
+    """Run a command; return its exit code.
 
     Parameters
     ----------
     argv : sequence of str, optional
-        The arguments, those of the process by default.
+        The arguments; those of the process by default.
     """
-    # A stream that whoever started the process has closed is None.
+    # A stream is None if whoever started the process has closed it.
     sys.stdout, sys.stderr = sys.stdout or _nowhere(), sys.stderr or _nowhere()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -59,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except BrokenPipeError:
-        # Whoever read the output has seen enough.
+        # The reader of the output has seen enough.
         _drop_stdout()
         return DONE
     except (Exception, KeyboardInterrupt) as error:
@@ -67,14 +67,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
-    """The command, imported late: vtk and scipy take longer than most mistakes to be found."""
+    """The function of a command, imported late: vtk and scipy take longer than finding most
+    mistakes."""
     module = import_module(f".{_BESIDE.get(name, name)}", __package__)
     command: Callable[[argparse.Namespace, Console], int] = getattr(module, f"{name}_command")
     return command
 
 
 def _drop_stdout() -> None:
-    """Nothing may be flushed into it at the end, where that would fail again."""
+    """Redirect stdout to nowhere, so that flushing it at the end cannot fail again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -89,14 +90,14 @@ def _failed(error: BaseException, options: argparse.Namespace, units: str) -> in
         error_line(SENTENCE)
         return INTERRUPTED
     if isinstance(error, InputError):
-        told = error.sentence(remedies_of(options), in_file(error.place, units))
-        error_line(f"sdfstent {options.command}: {told}")
+        text = error.sentence(remedies_of(options), in_file(error.place, units))
+        error_line(f"sdfstent {options.command}: {text}")
         return BAD_INPUT
     if isinstance(error, DeploymentError):
         error_line(f"sdfstent {options.command}: {error}")
         return BAD_INPUT
     if isinstance(error, OSError) and error.filename is None and error.strerror:
-        # Files are opened by name, and tell of it.
+        # Errors of files have their names, so this one is of the standard output.
         _drop_stdout()
         sentence = cannot_write("standard output", error)
         error_line(f"sdfstent {options.command}: {sentence}")
@@ -108,5 +109,6 @@ def _failed(error: BaseException, options: argparse.Namespace, units: str) -> in
 
 
 def _as_value(word: str) -> str:
-    """With a space before a negative number: argparse takes -1e-3 and -3L/min for options."""
+    """The word, with a space before a negative number: argparse takes -1e-3 and -3L/min for
+    options."""
     return f" {word}" if _NEGATIVE.fullmatch(word) else word

@@ -1,6 +1,6 @@
-"""Ctrl-C and SIGTERM: one interruption, once, and none while files change their places.
+"""Ctrl-C and SIGTERM: a single interruption, and none while files are moved to their places.
 
-A sweep, whose workers may not answer, waits for them until the second one.
+A sweep waits for its workers, which may not answer, until the second signal.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ _at_second: list[Callable[[], None]] = []  # what is done at a second one
 
 @contextmanager
 def interruptions() -> Iterator[None]:
-    """Within the block the first signal is a `KeyboardInterrupt`, and further ones are ignored."""
+    """Turn the first signal within the block into a `KeyboardInterrupt`, and ignore
+    further ones."""
 
     def interrupt(number: int, _frame: FrameType | None) -> NoReturn:
         _set(_second if _at_second else signal.SIG_IGN)
@@ -44,9 +45,9 @@ def interruptions() -> Iterator[None]:
 
 @contextmanager
 def at_second_signal(act: Callable[[], None]) -> Iterator[None]:
-    """Within the block a second signal does something; only further ones are ignored.
+    """Let a second signal within the block act; only further ones are ignored.
 
-    For work that waits for others when it is interrupted.
+    This is for work that waits for others when it is interrupted.
     """
     _at_second.append(act)
     try:
@@ -63,7 +64,7 @@ def _second(_number: int, _frame: FrameType | None) -> None:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Within the block signals are ignored: it is short, and ends in one state or the other."""
+    """Ignore signals within the block, which is short and ends in one state or the other."""
     before = _set(signal.SIG_IGN)
     try:
         yield
@@ -73,19 +74,19 @@ def uninterrupted() -> Iterator[None]:
 
 
 def check_interrupted() -> None:
-    """Interrupt again when Python lost the interruption, as in the callback of an import."""
+    """Interrupt again if Python lost the interruption, as in the callback of an import."""
     if _asked:
         raise KeyboardInterrupt
 
 
 def uninterrupted_from_now() -> None:
-    """Ignore signals up to the end of the block of `interruptions`: what it is for is done."""
+    """Ignore signals until the block of `interruptions` ends, as its purpose is fulfilled."""
     if _open_blocks:
         _set(signal.SIG_IGN)
 
 
 def end_at_once() -> None:
-    """From now on a signal ends the process with a sentence: for the time of the imports."""
+    """Let a signal end the process with a sentence from now on, during the imports."""
 
     def end(_number: int, _frame: FrameType | None) -> NoReturn:
         os.write(2, f"{SENTENCE}\n".encode())
@@ -95,7 +96,7 @@ def end_at_once() -> None:
 
 
 def _set(handler: Any) -> dict[int, Any]:
-    """Set the handler of the signals that are not ignored already; those of before."""
+    """Set the handler of the signals that are not ignored already; return the previous handlers."""
     if threading.current_thread() is not threading.main_thread():
         return {}
     found = {number: signal.getsignal(number) for number in _SIGNALS}

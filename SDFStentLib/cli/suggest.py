@@ -23,7 +23,7 @@ from .stent_options import device_of
 
 
 def suggest_command(options: argparse.Namespace, console: Console) -> int:
-    """Propose a stent for a lesion and write the plan of it."""
+    """Propose a stent for each lesion asked for, and write the plan."""
     wishes = SizingWishes(options.ratio, options.margin, device_of(options), options.foreshortening)
     outputs = Outputs([options.surface, options.centerline, options.names])
     plan, name = Plan(), options.output or f"{Path(options.surface).stem}_plan.json"
@@ -50,7 +50,7 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def _numbers(options: argparse.Namespace, inputs: InputFiles) -> list[int]:
-    """Of the lesions that are to be treated, each once: the first one by default."""
+    """Numbers of the lesions to be treated, each once; by default the first one."""
     numbers = list(dict.fromkeys(options.lesion or [1]))
     for number in numbers:
         check_lesion_number(number, inputs, "--lesion", "there is nothing to treat")
@@ -58,7 +58,7 @@ def _numbers(options: argparse.Namespace, inputs: InputFiles) -> list[int]:
 
 
 def devices_command(options: argparse.Namespace, _console: Console) -> int:
-    """List the devices that are known, or tell all that is known of one."""
+    """List the known devices, or report all that is known about one."""
     if options.name is None:
         devices = device_table(options.device_table)
     else:

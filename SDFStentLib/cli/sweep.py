@@ -32,17 +32,17 @@ from .signals import INTERRUPTED, at_second_signal
 DONE, NOT_CERTIFIED, INCOMPLETE = 0, 3, 4
 
 SILENCE = 60.0
-"""Without a case, s: then it is said, and again after twice the time."""
+"""Time without a finished case, s, after which that is reported, and again after twice the time."""
 
 LAST_SECONDS = 2.0
-"""After a second interruption."""
+"""Time, s, until the process ends after a second interruption."""
 
 SHOWN = 5
-"""Cases that a dry run lists."""
+"""Number of cases that a dry run lists."""
 
 
 def sweep_command(options: argparse.Namespace, console: Console) -> int:
-    """Carry out a sweep, or tell of one."""
+    """Carry out a sweep, or report about one."""
     asked = [name for name in ("sweep", "table", "status") if getattr(options, name)]
     if len(asked) != 1:
         raise InputError("expected one of SWEEP, --table DIR and --status DIR; give one of them.")
@@ -99,7 +99,7 @@ def _run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
 
 
 class _Watcher:
-    """Shows how far a sweep is, and says when nothing comes of it."""
+    """Shows the progress of a sweep, and warns when no case is finished for long."""
 
     def __init__(self, console: Console) -> None:
         self.console, self.draw = console, ignored
@@ -122,7 +122,7 @@ class _Watcher:
             )
 
     def kept(self) -> str:
-        """What is left of an interrupted sweep."""
+        """Words for what is left of an interrupted sweep."""
         if self.tally is None:
             return "what was whole before is kept"
         return f"{self.tally.finished} of {self.tally.total} cases are kept"
@@ -130,7 +130,7 @@ class _Watcher:
 
 @contextmanager
 def _logs(are_shown: bool) -> Iterator[None]:
-    """What packages log: those of a cluster print tracebacks of what we tell in a sentence."""
+    """Mute the logs of packages: those of a cluster print tracebacks where one sentence will do."""
     logging.disable(logging.NOTSET if are_shown else logging.CRITICAL)
     try:
         yield
@@ -139,7 +139,7 @@ def _logs(are_shown: bool) -> Iterator[None]:
 
 
 def _end_soon() -> None:
-    """At a second interruption nobody waits for workers, nor long for the tables."""
+    """Kill the workers at a second interruption, and end soon even if tables are still written."""
     for child in active_children():
         child.kill()
     timer = Timer(LAST_SECONDS, _end_now)

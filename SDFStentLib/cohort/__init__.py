@@ -1,6 +1,6 @@
-"""Many deployments of one plan: a sweep document, its cases, a store that is whole at any time.
+"""Many deployments of one plan: a sweep document, its cases, and a store that is always whole.
 
-What is named here is imported when it is first asked for: workers set their threads before NumPy.
+Names listed here are imported when first asked for: workers set their threads before NumPy loads.
 """
 
 from .cases import Case as Case

@@ -1,4 +1,4 @@
-"""What a sweep varies: an axis is the name of a parameter, and the values that it takes."""
+"""The axes of a sweep: each is the name of a parameter with the values that it takes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ..stent import Device, Shape, StentEnd, Waist
 from ..validation import InputError, as_number
 
 DIAMETERS = ("diameter", "diameter_over_lumen", "diameter_over_reference")
-"""Ways to say how wide: mm, over the lumen at the place, over the reference of the lesion."""
+"""Ways to give a width: in mm, over the lumen at the place, over the reference of the lesion."""
 
 PLACES = ("branch", "distance", "fraction", "lesion", "offset")
 """As in the placement of a plan's stent; a lesion without an offset has 0."""
@@ -36,26 +36,26 @@ SHAPE_PARTS = (
     *(f"shape.{name}" for name in parameters_of(Shape)),
 )
 NAMES = (*DIAMETERS, "length", *PLACES, "device", "shape", *SHAPE_PARTS)
-"""Of everything that can be an axis."""
+"""Names of everything that can be an axis."""
 
 _LISTED = ("branch", "lesion", "device", "shape")
-"""These are things rather than sizes: they are listed."""
+"""Axes whose values are things rather than sizes, and have to be listed."""
 
 MOST = 1e6
-"""Of a number on an axis: a length in mm that nobody has, and a ratio."""
+"""Largest number on an axis: as a length in mm or a ratio it is beyond any use."""
 
 MOST_STEPS = 100_000
-"""Of a range."""
+"""Largest number of steps of a range."""
 
 DECIMALS = 6
-"""To which drawn numbers are rounded: a millionth of a millimeter."""
+"""Decimals to which drawn numbers are rounded: a millionth of a millimeter."""
 
 Value = float | int | str | None | Mapping[str, Any]
-"""Of a parameter."""
+"""A value of a parameter."""
 
 
 @dataclass(frozen=True)
-class Axis:
+class SweepAxis:
     """One parameter and its values.
 
     Attributes
@@ -63,11 +63,12 @@ class Axis:
     name : str
         One of `NAMES`.
     values : tuple
-        That are taken in turn; empty for a range.
+        Values that are taken in turn; empty for a range.
     low, high : float
-        Ends of a uniform range, or of what is kept of a normal one; -inf and inf for all of it.
+        Ends of a uniform range, or of the part that is kept of a normal distribution; -inf and inf
+        for all of it.
     mean, sd : float, optional
-        Of a normal distribution.
+        Mean and standard deviation of a normal distribution.
     """
 
     name: str
@@ -79,16 +80,16 @@ class Axis:
 
     @property
     def is_listed(self) -> bool:
-        """Whether it takes values in turn, so that it can be an axis of a grid."""
+        """Whether its values are listed, so that it can be an axis of a grid."""
         return bool(self.values)
 
     @property
     def is_number(self) -> bool:
-        """Whether its values are numbers, for a table."""
+        """Whether its values are numbers, as a table has to know."""
         return not self.values or all(isinstance(value, int | float) for value in self.values)
 
     def at(self, share: NDArray[np.float64]) -> list[Value]:
-        """The values at shares (n,) of the way through the distribution, in [0, 1)."""
+        """The values at shares (n,) of the distribution, in [0, 1)."""
         if self.values:
             places = np.minimum(share * len(self.values), len(self.values) - 1).astype(int)
             return [self.values[place] for place in places]
@@ -103,19 +104,19 @@ class Axis:
 
         assert self.mean is not None
         below, above = (ndtr((end - self.mean) / self.sd) for end in (self.low, self.high))
-        # Half of the smallest step of a sample keeps away from the infinite ends.
+        # The margin keeps away from the infinite ends.
         inside = np.clip(below + share * (above - below), 1e-12, 1 - 1e-12)
         found: NDArray[np.float64] = self.mean + self.sd * ndtri(inside)
         return np.clip(found, self.low, self.high)
 
 
-def axis_from_document(name: str, value: Any, where: str) -> Axis:
+def axis_from_document(name: str, value: Any, where: str) -> SweepAxis:
     """An axis from its value in a sweep document.
 
     Raises
     ------
     InputError
-        An unknown name, or values that do not belong there, with their place.
+        An unknown name, or values that do not belong there; their place is named.
     """
     if name not in NAMES:
         raise InputError(f"{where}: unknown axis; expected one of {', '.join(NAMES)}.")
@@ -127,7 +128,7 @@ def axis_from_document(name: str, value: Any, where: str) -> Axis:
 
 
 def label(value: Value) -> float | int | str:
-    """A value as it stands in a table."""
+    """A value as a cell of a table."""
     if isinstance(value, Mapping):
         named = value.get("name")
         return named if named else json.dumps(plain(value), sort_keys=True)
@@ -135,7 +136,7 @@ def label(value: Value) -> float | int | str:
 
 
 def plain(value: Any) -> Any:
-    """A value of a strict document as plain JSON: decimals become floats."""
+    """A value of a strict document as plain JSON, with decimals as floats."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, str | bool | int) or value is None:
@@ -145,7 +146,7 @@ def plain(value: Any) -> Any:
     return float(value)
 
 
-def _spread(name: str, value: Mapping[str, Any], where: str) -> Axis:
+def _spread(name: str, value: Mapping[str, Any], where: str) -> SweepAxis:
     given = section(
         value, where, (), ("values", "from", "to", "steps", "uniform", "normal", "within")
     )
@@ -163,25 +164,27 @@ def _spread(name: str, value: Mapping[str, Any], where: str) -> Axis:
         return _stepped(name, given, where)
     low, high = -np.inf, np.inf
     if kinds == ["uniform"]:
-        return Axis(name, (), *rising(given["uniform"], f"{where}.uniform"))
+        return SweepAxis(name, (), *rising(given["uniform"], f"{where}.uniform"))
     mean, sd = _two(given["normal"], f"{where}.normal")
     if sd <= 0:
         raise InputError(f"{where}.normal: expected a mean and an SD above 0, got SD {sd:g}.")
     if "within" in given:
         low, high = rising(given["within"], f"{where}.within")
-    return Axis(name, (), low, high, mean, sd)
+    return SweepAxis(name, (), low, high, mean, sd)
 
 
-def _stepped(name: str, given: Mapping[str, Any], where: str) -> Axis:
+def _stepped(name: str, given: Mapping[str, Any], where: str) -> SweepAxis:
     section(given, where, ("from", "to", "steps"))
     steps = number(given["steps"], f"{where}.steps")
     if not isinstance(steps, int) or not 1 < steps <= MOST_STEPS:
         raise InputError(f"{where}.steps: expected 2 to {MOST_STEPS}, got {in_words(steps)}.")
     low, high = (_number(given[key], f"{where}.{key}") for key in ("from", "to"))
-    return Axis(name, tuple(round(v, DECIMALS) for v in np.linspace(low, high, steps).tolist()))
+    return SweepAxis(
+        name, tuple(round(v, DECIMALS) for v in np.linspace(low, high, steps).tolist())
+    )
 
 
-def _listed(name: str, values: Sequence[Any], where: str) -> Axis:
+def _listed(name: str, values: Sequence[Any], where: str) -> SweepAxis:
     if not values:
         raise InputError(f"{where}: expected at least one value, got none.")
     checks = {"branch": _branch, "lesion": _whole, "device": _device, "shape": _shape}
@@ -189,7 +192,7 @@ def _listed(name: str, values: Sequence[Any], where: str) -> Axis:
     found = tuple(check(value, f"{where}[{at}]") for at, value in enumerate(values))
     if len({json.dumps(plain(value), sort_keys=True) for value in found}) < len(found):
         raise InputError(f"{where}: expected every value once, got one twice.")
-    return Axis(name, found)
+    return SweepAxis(name, found)
 
 
 def _number(value: Any, where: str) -> float:
@@ -207,7 +210,7 @@ def _branch(value: Any, where: str) -> int | str:
 
 
 def _device(value: Any, where: str) -> Mapping[str, Any]:
-    """The row of the table: a name may mean something else where the worker is."""
+    """The row of the device table, as its name may mean something else where the worker is."""
     if isinstance(value, Mapping):
         return _document(Device, value, where)
     try:
@@ -222,7 +225,7 @@ def _shape(value: Any, where: str) -> Mapping[str, Any] | None:
 
 
 def _document(kind: type, value: Any, where: str) -> Mapping[str, Any]:
-    """What is whole and right of it."""
+    """The document of a value after all checks, with every field."""
     found: Mapping[str, Any] = to_document(from_document(kind, plain(value), where))
     return found
 

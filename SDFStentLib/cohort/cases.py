@@ -1,4 +1,5 @@
-"""The points of a sweep, and the cases they make, named after what determines their results."""
+"""The points of a sweep and its cases, which are named after everything that
+determines a result."""
 
 from __future__ import annotations
 
@@ -16,29 +17,29 @@ from numpy.typing import NDArray
 from ..plan import plan_text
 from ..validation import InputError
 from ..version import VERSION
-from .axes import Axis, Value, plain
+from .axes import SweepAxis, Value, plain
 from .value import MOST_SAMPLES, Patient, Sampling, Sweep
 
 Parameters = dict[str, Value]
-"""Of one sample, by the name of the axis."""
+"""Values of one sample, by the name of the axis."""
 
 _BLOCK = 4096
-"""Samples made at once."""
+"""Number of samples made at once."""
 
 
 class Samples:
-    """The samples in order; the same axes, method, count and seed give the same ones.
+    """The samples of a sweep; the same axes, method, count and seed give the same ones.
 
     A random or Sobol sweep of more samples begins with those of fewer; a Latin hypercube does not.
-    They are made when they are asked for: millions of them would take gigabytes.
+    Samples are made when asked for: millions of them would take gigabytes.
 
     Raises
     ------
     InputError
-        A grid of more than `MOST_SAMPLES`.
+        A grid of more than `MOST_SAMPLES` points.
     """
 
-    def __init__(self, axes: tuple[Axis, ...], sampling: Sampling) -> None:
+    def __init__(self, axes: tuple[SweepAxis, ...], sampling: Sampling) -> None:
         self._axes = axes
         self._shares: NDArray[np.float64] | None = None
         if sampling.method == "grid":
@@ -62,7 +63,7 @@ class Samples:
 
     def _at(self, places: NDArray[np.int64]) -> list[Parameters]:
         if self._shares is None:
-            # The last axis is the quickest.
+            # The last axis varies fastest.
             digits = np.unravel_index(places, [len(axis.values) for axis in self._axes])
             columns = [
                 [axis.values[digit] for digit in column.tolist()]
@@ -75,7 +76,7 @@ class Samples:
 
 
 def _shares(sampling: Sampling, width: int) -> NDArray[np.float64]:
-    """(n, width) in [0, 1)."""
+    """Shares (n, width) of the way through the distributions, in [0, 1)."""
     generator = np.random.default_rng(sampling.seed)
     if sampling.method == "random":
         return generator.random((sampling.count, width))
@@ -91,7 +92,7 @@ def _shares(sampling: Sampling, width: int) -> NDArray[np.float64]:
 
 
 def _engine(kind: Callable[..., Any], width: int, generator: np.random.Generator) -> Any:
-    """The generator was called `seed` up to SciPy 1.14."""
+    """A sampler; its generator was called `seed` up to SciPy 1.14."""
     try:
         return kind(width, rng=generator)
     except TypeError:
@@ -99,26 +100,27 @@ def _engine(kind: Callable[..., Any], width: int, generator: np.random.Generator
 
 
 FORMAT = 1
-"""Of the store; another one gives other cases."""
+"""Format number of the store; another one gives other names of cases."""
 
 DIGITS = 20
-"""Of a case's name, hexadecimal: 80 bits, one double name in 10^12 sweeps of a million cases."""
+"""Hexadecimal digits of a case's name: 80 bits, one collision in 10^12 sweeps of a
+million cases."""
 
 
 class Case(NamedTuple):
     """One deployment of a cohort."""
 
     number: int
-    """In the sweep, from 1: patient by patient."""
+    """Number in the sweep, from 1, patient by patient."""
     id: str
-    """A hash of the plan, the parameters, the files, the constraints and the versions."""
+    """Hash of the plan, the parameters, the files, the constraints and the versions."""
     patient: int
     """Index into the sweep's patients."""
     parameters: Parameters
 
 
 class Cases:
-    """All cases of a sweep in order, made when asked for: every patient has the same samples."""
+    """All cases of a sweep in order, made when asked for; every patient has the same samples."""
 
     def __init__(self, sweep: Sweep) -> None:
         self._samples = Samples(sweep.axes, sweep.sampling)
@@ -143,7 +145,8 @@ class Cases:
 
 
 def _base(sweep: Sweep, patient: Patient) -> bytes:
-    """All that the cases of a patient share and that determines their results; no path."""
+    """Everything that the cases of a patient share and that determines their results, without
+    paths."""
     plan = patient.plan
     files = [None if file is None else file.sha256 for file in (plan.surface, plan.centerline)]
     shared = {

@@ -19,14 +19,14 @@ from ..plan import (
     section,
 )
 from ..validation import InputError, as_number, as_path
-from .axes import DIAMETERS, MOST_STEPS, NAMES, PLACES, Axis, axis_from_document, rising
+from .axes import DIAMETERS, MOST_STEPS, NAMES, PLACES, SweepAxis, axis_from_document, rising
 from .constraints import Constraints
 from .value import MOST_SAMPLES, Sampling, Sweep, patients_of, template_of
 
 SCHEMA, SCHEMA_VERSION = "sdfstent-sweep", 1
 METHODS = ("grid", "random", "latin-hypercube", "sobol")
 STORES = ("vtp", "moved")
-"""What is kept of a surface: all of it, or the points that moved."""
+"""Ways to store a surface: all of it, or only the points that moved."""
 
 KEYS = ("patients", "stent", "sampling", "constraints", "store", "time_limit")
 RATIOS = ("diameter_over_lumen", "diameter_over_reference")
@@ -35,14 +35,14 @@ RATIOS = ("diameter_over_lumen", "diameter_over_reference")
 def load_sweep(path: str | os.PathLike[str]) -> Sweep:
     """Read a sweep document, and the hashes of the files of its patients.
 
-    A patient's file that is missing or damaged is found where a case needs it, so that the other
-    patients are not held up.
+    A patient's missing or damaged file is reported when a case needs it, so that it does not hold
+    up the other patients.
 
     Raises
     ------
     InputError
         A file that cannot be read, no JSON, another schema or version, or a key or a value that
-        does not belong there, with its place.
+        does not belong there; its place is named.
     """
     path = as_path(path)
     text = read_text(path, "a sweep in JSON")
@@ -58,7 +58,7 @@ def sweep_from_document(document: Any, folder: str | None = None) -> Sweep:
     Raises
     ------
     InputError
-        As `load_sweep`.
+        As for `load_sweep`.
     """
     folder = os.path.abspath(folder or ".")
     check_schema(document, SCHEMA, SCHEMA_VERSION, "this is no sweep")
@@ -87,7 +87,7 @@ def sweep_from_document(document: Any, folder: str | None = None) -> Sweep:
     )
 
 
-def _axes(value: Any) -> tuple[Axis, ...]:
+def _axes(value: Any) -> tuple[SweepAxis, ...]:
     if not isinstance(value, Mapping) or not value:
         got = "an empty object" if isinstance(value, Mapping) else in_words(value)
         raise InputError(f"axes: expected an object with at least one axis, got {got}; add one.")
@@ -134,7 +134,7 @@ def _sampling(value: Any) -> Sampling:
     return Sampling(method, count, seed)
 
 
-def _constraints(value: Any, axes: tuple[Axis, ...]) -> Constraints:
+def _constraints(value: Any, axes: tuple[SweepAxis, ...]) -> Constraints:
     given = section(value, "constraints", (), (*RATIOS, "distance_to_ends"))
     found: dict[str, Any] = {
         key: rising(given[key], f"constraints.{key}") for key in RATIOS if key in given
@@ -174,11 +174,11 @@ _ITEMS: dict[str, Any] = {
     "device": {"anyOf": [_TEXT, _OBJECT]},
     "shape": or_null(_OBJECT),
 }
-"""Of the axes whose values are listed."""
+"""Schemas of the values of the axes whose values are listed."""
 
 
 def sweep_schema() -> dict[str, Any]:
-    """The schema of a sweep's document; `docs/cohorts.md` says what the keys stand for."""
+    """The schema of a sweep's document; `docs/cohorts.md` explains the keys."""
     file = {"anyOf": [_TEXT, INPUTS["surface"]]}
     inputs = {**INPUTS, "name": {**_TEXT, "minLength": 1}, "surface": file, "centerline": file}
     axes = {name: _axis(name) for name in NAMES}
@@ -216,7 +216,7 @@ def sweep_schema() -> dict[str, Any]:
 
 
 def _axis(name: str) -> dict[str, Any]:
-    """One value, a list, even steps, a uniform range or a normal distribution (mean and SD)."""
+    """Schema of an axis: a value, a list, even steps, a uniform range, or a normal distribution."""
     item = _ITEMS.get(name, _NUMBER)
     listed = {**list_of(item), "minItems": 1}
     kinds = [item, listed, object_schema({"values": listed}, ("values",))]

@@ -1,4 +1,4 @@
-"""How long a sweep will take and how much disk, from a few cases, and how far it is."""
+"""Time and disk space that a sweep will take, estimated from a few cases, and its progress."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from .value import Sweep
 from .worker import Outcome, Task, run_case, task_of
 
 TRIED = 3
-"""Cases that are carried out: the first, one in the middle, the last."""
+"""Number of cases that are tried: the first, one in the middle, the last."""
 
 
 class Estimate(NamedTuple):
-    """What some cases took; NaN-free, for at least one is tried."""
+    """Time and space that some cases took; never NaN, as at least one is tried."""
 
     tried: int
     failed: int
     case_seconds: float
-    """Of one case, once the patient is read."""
+    """Time of one case, s, once the patient is read."""
     read_seconds: float
-    """Of a patient."""
+    """Time to read a patient, s."""
     case_bytes: float
-    """That one case takes on the disk, in whole blocks."""
+    """Space of one case on the disk, in whole blocks."""
 
     def seconds(self, cases: int, patients: int, workers: int) -> float:
-        """Of a sweep: every worker reads every patient at worst."""
+        """Time of a sweep, s, if every worker has to read every patient."""
         return cases * self.case_seconds / workers + patients * self.read_seconds
 
 
 def estimated(sweep: Sweep, cases: Cases) -> Estimate:
-    """Carry out a few cases in a temporary folder, and forget them."""
+    """An estimate from a few cases, carried out in a temporary folder that is then removed."""
     chosen = [cases[at] for at in sorted({0, len(cases) // 2, len(cases) - 1})][:TRIED]
     seconds, sizes, failed, read = [], [], 0, 0.0
     with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
@@ -78,13 +78,13 @@ class Tally:
     total : int
         Cases of the sweep.
     certified, unready, uncertified, unjudged, excluded, failed : int
-        Of those that are finished; unready are those no worse than a surface that was never ready
-        for a mesher, unjudged those of a plan that asks for no certificate.
+        Finished cases by outcome. Unready cases are no worse than a surface that was never ready
+        for a mesher; unjudged ones have a plan that asks for no certificate.
     found : int
-        Of the finished ones, those that were whole when this run began.
+        Number of finished cases that were whole when this run began.
     seconds : float
     lacks_workers : bool
-        Whether a cluster that has no worker (yet) is waited for.
+        Whether the sweep waits for a cluster that has no worker (yet).
     """
 
     total: int
@@ -100,27 +100,27 @@ class Tally:
 
     @property
     def finished(self) -> int:
-        """Cases that something has come of."""
+        """Number of cases that have an outcome."""
         done = self.certified + self.unready + self.uncertified + self.unjudged
         return done + self.excluded + self.failed
 
     @property
     def fraction(self) -> float:
-        """Done of the whole."""
+        """Share of the cases that are finished."""
         return self.finished / self.total if self.total else 1.0
 
     @property
     def rate(self) -> float:
-        """Cases a second of this run; 0 before the first."""
+        """Cases per second in this run; 0 before the first one."""
         return (self.finished - self.found) / self.seconds if self.seconds > 0 else 0.0
 
     @property
     def seconds_left(self) -> float | None:
-        """At this rate; None before the first case."""
+        """Time left at this rate, s; None before the first case."""
         return (self.total - self.finished) / self.rate if self.rate > 0 else None
 
     def counted(self, outcome: Outcome) -> Tally:
-        """With one more case."""
+        """The tally with one more case."""
         name = outcome.status
         if name == "done":
             name = _VERDICTS[outcome.certified]
@@ -130,13 +130,13 @@ class Tally:
 
     @property
     def verdicts(self) -> list[str]:
-        """How many got which word of a certificate; the first is there also of none."""
+        """Counts of cases by the word of their certificate; the first is listed even if it is 0."""
         others = (self.unready, NOT_READY), (self.uncertified, NOT_CERTIFIED)
-        told = [f"{count} {word}" for count, word in others if count]
-        return [f"{self.certified} {CERTIFIED}", *told]
+        known = [f"{count} {word}" for count, word in others if count]
+        return [f"{self.certified} {CERTIFIED}", *known]
 
     def note(self) -> str:
-        """What stands behind the bar."""
+        """The text behind the progress bar."""
         certified, *others = self.verdicts
         parts = [certified, f"{self.failed} failed", *others]
         if self.unjudged:
@@ -156,13 +156,7 @@ def save_tally(store: Store, tally: Tally) -> None:
 
 
 def last_tally(folder: str | os.PathLike[str]) -> tuple[Tally, bool]:
-    """The last counts of the sweep in a folder, and whether it is running now.
-
-    Raises
-    ------
-    InputError
-        No folder of a cohort.
-    """
+    """The last tally of the sweep in a folder, and whether that is running now."""
     store = Store(folder)
     total = len(store.cohort()["cases"])
     tally = Tally(total)  # killed before its first case
@@ -174,7 +168,7 @@ def last_tally(folder: str | os.PathLike[str]) -> tuple[Tally, bool]:
 
 
 def duration_in_words(seconds: float) -> str:
-    """A duration, roughly."""
+    """A rough duration in words."""
     if seconds < 90:
         return f"{seconds:.0f} s"
     if seconds < 5400:

@@ -1,8 +1,8 @@
-"""Where cases are carried out: executors of `concurrent.futures`, made anew when they break.
+"""Executors of `concurrent.futures` that carry out cases, opened anew when they break.
 
 Processes on this machine are spawned, never forked, with one thread of linear algebra each. They
-end when the sweep does, however that ends: each holds the reading end of a pipe whose other
-end only the sweep has.
+end when the sweep does, however it ends: each holds the reading end of a pipe whose writing end
+only the sweep has.
 """
 
 from __future__ import annotations
@@ -21,41 +21,41 @@ from .watch import Watch, WorkerContext, one_thread, start_worker
 from .worker import Outcome, Task, run_case
 
 MOST_WORKERS = 61 if os.name == "nt" else 1000
-"""Windows waits for no more processes at a time; elsewhere more would be a slip."""
+"""Most workers: Windows cannot wait for more processes; elsewhere more would be a typing error."""
 
 SCHEDULER_SECONDS = 30.0
-"""How long a scheduler is waited for."""
+"""Time to wait for a scheduler, s."""
 
 LOOK = 0.5
-"""Seconds after which progress is told."""
+"""Interval, s, after which progress is reported."""
 
 END_SECONDS = 5.0
-"""In which workers that are told to end do so; then they are killed."""
+"""Time, s, in which workers that are asked to end should do so; then they are killed."""
 
 DASK_WINDOW = 1000
-"""Cases that are handed to a cluster at a time: enough for it to grow by."""
+"""Number of cases handed to a cluster at a time: enough to make it grow."""
 
 
 @dataclass(frozen=True)
 class Workplace:
-    """An executor that can be had, and how to use it.
+    """A way to open an executor, and how to use it.
 
     Attributes
     ----------
     opened : callable
-        Gives the executor for the time of a block.
+        Function that opens the executor for the time of a block.
     window : int
-        How many cases are handed over at a time.
+        Number of cases handed over at a time.
     is_renewable : bool
-        Whether another one can be opened when this one breaks.
+        Whether another executor can be opened when this one breaks.
     blames : bool
         Whether the executor itself finds the case that kills its workers.
     takes_back : bool
-        Whether the executor itself takes back what waits when it is closed.
+        Whether the executor itself takes back waiting cases when it is closed.
     lacks_workers : callable
-        Of the executor: whether cases wait for workers that are not there (yet).
+        Function of the executor: whether cases wait for workers that are not there (yet).
     watch : Watch, optional
-        The time limit of a case.
+        The watch that enforces the time limit of a case.
     """
 
     opened: Callable[[], AbstractContextManager[Executor]]
@@ -70,12 +70,12 @@ class Workplace:
 def workplace(
     workers: int | None, executor: Executor | str | None, limit: float | None
 ) -> Workplace:
-    """Where a sweep is carried out; processes on this machine by default.
+    """The workplace of a sweep: processes on this machine by default.
 
     Raises
     ------
     InputError
-        Two places, or a time limit, s, where nobody could be ended.
+        Workers as well as an executor, or a time limit, s, with workers that cannot be ended.
     """
     if executor is None:
         return processes(workers, limit)
@@ -92,7 +92,7 @@ def workplace(
 def processes(workers: int | None = None, time_limit: float | None = None) -> Workplace:
     """Worker processes on this machine, as many as it has cores by default.
 
-    With a time limit a worker is ended that takes longer for a case, s.
+    With a time limit, s, a worker that takes longer for a case is ended.
     """
     count, watch = worker_count(workers), None if time_limit is None else Watch(time_limit)
     return Workplace(
@@ -106,7 +106,8 @@ def processes(workers: int | None = None, time_limit: float | None = None) -> Wo
 
 
 def worker_count(workers: int | None = None) -> int:
-    """As many as asked for, or as this process may use cores; `InputError` for no such number."""
+    """The number of workers: as asked for, else the cores of this process;
+    `InputError` if invalid."""
     count = cores() if workers is None else workers
     if isinstance(count, bool) or not isinstance(count, int) or not 0 < count <= MOST_WORKERS:
         raise InputError(
@@ -136,24 +137,24 @@ def dask(address: str) -> Workplace:
 
 
 def given(executor: Executor) -> Workplace:
-    """An executor of the caller's, who also ends it."""
+    """A caller's own executor, which the caller also ends."""
     if not hasattr(executor, "submit"):
         raise InputError(f"executor: expected one of concurrent.futures, got {executor!r}.")
     return Workplace(lambda: nullcontext(executor), DASK_WINDOW, is_renewable=False)
 
 
 def cores() -> int:
-    """That this process may use, at most what a pool can have."""
+    """Number of cores that this process may use, at most the workers that a pool can have."""
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return min(count or 1, MOST_WORKERS)
 
 
 @contextmanager
 def signals_held() -> Iterator[None]:
-    """Let interruptions wait: what is started in the block starts without them.
+    """Hold interruptions back: processes that start in the block start without them.
 
-    A process begins with the signals of its parent; one that is interrupted among its imports
-    would print where.
+    A process inherits the blocked signals of its parent; if it were interrupted during its imports,
+    it would print a traceback.
     """
     if not hasattr(signal, "pthread_sigmask") or not _is_main_thread():
         yield
@@ -173,9 +174,9 @@ def finished(
     at_work: dict[Future[Outcome], Task],
     tick: Callable[[], None],
 ) -> Iterator[tuple[Task, Outcome | None]]:
-    """Tasks with their outcomes as they come, None where no worker survived it.
+    """Tasks with their outcomes, as they come; None for a task that no worker survived.
 
-    `at_work` is what the executor has.
+    `at_work` holds the tasks that the executor has.
     """
     # Ends: every turn hands over or takes back a task, or waits for one that is at work.
     while queue or at_work:
@@ -190,16 +191,16 @@ def finished(
             is_deadly = type(future.exception()).__name__ == "KilledWorker"
             outcome = None if is_deadly else future.result()
             yield at_work.pop(future), outcome
-        tick()  # afterwards: it asks the scheduler, and would wait for one that is lost
+        tick()  # afterwards: it asks the scheduler, and would wait for a lost one
 
 
 @contextmanager
 def _pool(workers: int, watch: Watch | None = None) -> Iterator[Executor]:
     context = WorkerContext()
     reading, writing = context.Pipe(duplex=False)
-    told, begun = context.Pipe(duplex=False)
+    reports, begun = context.Pipe(duplex=False)
     if watch is not None:
-        watch.begin(told, context.made)
+        watch.begin(reports, context.made)
     with one_thread():
         pool = ProcessPoolExecutor(
             workers,
@@ -216,7 +217,7 @@ def _pool(workers: int, watch: Watch | None = None) -> Iterator[Executor]:
             writing.close()
             context.end(END_SECONDS)
             pool.shutdown(cancel_futures=True)
-            for end in (reading, told, begun):
+            for end in (reading, reports, begun):
                 end.close()
 
 
@@ -238,7 +239,7 @@ def _client(address: str) -> Iterator[Executor]:
 
 
 def _is_empty_cluster(executor: Executor) -> bool:
-    """Whether a scheduler has no worker; one that does not answer is told of by its futures."""
+    """Whether a scheduler has no worker; the futures report one that does not answer."""
     try:
         return not executor._client.nthreads()  # type: ignore[attr-defined]
     except (OSError, TimeoutError):

@@ -1,4 +1,4 @@
-"""The tables of a cohort: what every case is and what came of it, and, apart, when and where."""
+"""The tables of a cohort: every case with its outcome, and separately the time and place of it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SCHEMA, SCHEMA_VERSION = "sdfstent-cohort", 1
 CSV, PARQUET, TIMES_CSV = "manifest.csv", "manifest.parquet", "times.csv"
 
 PARAMETER = "parameter_"
-"""In front of an axis, as a column."""
+"""Prefix of the column of an axis."""
 
 FIRST = ("case", "patient", "status", "reason")
 SAMPLED = ("method", "seed")
@@ -37,11 +37,11 @@ TIMES = (
     *("total_s", "python", "numpy", "scipy", "vtk"),
 )
 _BATCH = 10_000
-"""Rows that are held at a time."""
+"""Number of rows in memory at a time."""
 
 
 def cohort_document(sweep: Sweep, cases: Iterable[Case], folder: Path) -> dict[str, Any]:
-    """What a cohort is, as values of JSON: enough to read its folder without the sweep."""
+    """The document of a cohort as JSON values: enough to read its folder without the sweep."""
     return {
         "schema": SCHEMA,
         "version": SCHEMA_VERSION,
@@ -67,11 +67,11 @@ def cohort_document(sweep: Sweep, cases: Iterable[Case], folder: Path) -> dict[s
 
 
 def write_manifest(folder: str | os.PathLike[str]) -> list[str]:
-    """Write the tables of a cohort from its cases, those that are missing as `open`.
+    """Write the tables of a cohort from its cases; missing cases are `open`.
 
     `manifest.csv` has a row per case and stent, in the order of the sweep, and the same bytes
     however often the sweep was interrupted; `manifest.parquet` is the same where pyarrow is
-    installed. `times.csv` has what differs from run to run.
+    installed. `times.csv` has everything that differs from run to run.
 
     Returns
     -------
@@ -81,7 +81,7 @@ def write_manifest(folder: str | os.PathLike[str]) -> list[str]:
     Raises
     ------
     InputError
-        No folder of a cohort.
+        The folder is not that of a cohort.
     StoreError
         The files cannot be written.
     """
@@ -113,7 +113,7 @@ def columns_of(store: Store, cohort: Mapping[str, Any]) -> list[str]:
 
 
 def text_columns(cohort: Mapping[str, Any]) -> set[str]:
-    """Names of the columns that hold texts, whatever these look like."""
+    """Names of the columns that hold text, even if it looks like numbers."""
     axes = cohort["axes"]
     return TEXTS | {PARAMETER + axis["name"] for axis in axes if not axis["is_number"]}
 
@@ -191,7 +191,8 @@ def _write_parquet(
 
 
 def _typed(value: Any, is_text: bool) -> Any:
-    """Missing is null; a text is one also where it was given as a number."""
+    """A value as Parquet has it: null if missing, and text in text columns even if
+    it is a number."""
     if value is None:
         return None
     if is_text:

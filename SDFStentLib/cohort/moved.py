@@ -1,8 +1,8 @@
-"""Points that moved as a small file, and the surface back from it, bit by bit.
+"""Moved points as a small file, and the surface restored from it bit by bit.
 
 A surface of single precision is kept as the numbers that its file holds, in the unit of that file:
-what is written from them again has the same bits. One of double precision is kept in mm, as it
-was computed, with 8 bytes a number: dividing by the unit again is what writing did. Both are exact.
+written again, they have the same bits. A surface of double precision is kept in mm, as it was
+computed, with 8 bytes a number: writing it divides by the unit again. Both are exact.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from ..validation import Indices, InputError, Points
 
 
 class MovedPoints(NamedTuple):
-    """Points of a surface and where they are."""
+    """Points of a surface and their new places."""
 
     indices: Indices
-    """(k,) rising."""
+    """(k,) indices, rising."""
     coordinates: Points
-    """(k, 3) mm."""
+    """(k, 3) coordinates, mm."""
 
 
 def encoded(surface: SurfaceFile, indices: Indices, coordinates: Points) -> bytes:
@@ -46,7 +46,7 @@ def encoded(surface: SurfaceFile, indices: Indices, coordinates: Points) -> byte
 
 
 def decoded(data: bytes) -> MovedPoints:
-    """What `encoded` made; `InputError` for damaged data."""
+    """The points that `encoded` stored; `InputError` for damaged data."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as found:
             coordinates = found["coordinates"].astype(np.float64) * float(found["millimeters"])
@@ -63,5 +63,5 @@ def points_of(surface: SurfaceFile, moved: MovedPoints) -> Points:
 
 
 def write_restored(path: str | os.PathLike[str], surface: SurfaceFile, moved: MovedPoints) -> None:
-    """Write the whole surface: the same bytes as if it had been written in the first place."""
+    """Write the whole surface, with the same bytes as if it had been written in the first place."""
     write_surface(path, surface, points_of(surface, moved))

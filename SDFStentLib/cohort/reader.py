@@ -28,17 +28,17 @@ class TrainingSet:
     Attributes
     ----------
     cases : tuple of str
-        Names, k of them.
+        Names of the k cases.
     names : tuple of str
-        Of the parameters that are numbers, p of them.
+        Names of the p parameters that are numbers.
     parameters : (k, p) array
-        Lengths in mm.
+        Values of the parameters, lengths in mm.
     displacements : (k, n, 3) float32 array
-        Of every point, mm, new minus old.
+        Displacement of every point, mm, new minus old.
     points : (n, 3) array
-        Before treatment, mm.
+        Points before treatment, mm.
     triangles : (m, 3) array
-        The same for all.
+        Triangles, the same for all cases.
     """
 
     cases: tuple[str, ...]
@@ -50,7 +50,7 @@ class TrainingSet:
 
 
 class Cohort:
-    """The folder that a sweep has written.
+    """The cohort in a folder that a sweep has written.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class Cohort:
     Raises
     ------
     InputError
-        It is none.
+        The folder is not that of a cohort.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -69,12 +69,12 @@ class Cohort:
 
     @property
     def patients(self) -> tuple[str, ...]:
-        """Their names."""
+        """Names of the patients."""
         return tuple(patient["name"] for patient in self._document["patients"])
 
     @cached_property
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The manifest: a column per name, as texts or numbers; NaN where one is not known.
+        """Columns of the manifest by name, as text or numbers; NaN where a number is not known.
 
         `certified` is 1, 0 or NaN. `InputError` without a manifest: `write_manifest` makes it.
         """
@@ -99,9 +99,9 @@ class Cohort:
         Parameters
         ----------
         patient : str, optional
-            Of this one only.
+            The only patient whose cases are listed.
         certified : bool
-            Leave out those that are not certified.
+            Whether to leave out cases that are not certified.
         """
         names, columns = [], self.columns
         if "certified" not in columns:
@@ -122,10 +122,10 @@ class Cohort:
         Parameters
         ----------
         patient : str, optional
-            Needed where the cohort has several.
+            Name of the patient, needed if the cohort has several.
         cases : sequence of str, optional
-            All that are done and certified by default. The displacements are in memory: 12 bytes
-            for every point of every case.
+            Names of the cases; by default all that are done and certified. The displacements are in
+            memory: 12 bytes for every point of every case.
 
         Raises
         ------
@@ -153,7 +153,7 @@ class Cohort:
         )
 
     def surface(self, patient: str | None = None) -> SurfaceFile:
-        """The surface of a patient before treatment; `InputError` when it is another file now."""
+        """The surface of a patient before treatment; `InputError` if its file has changed."""
         name = self._one(patient)
         if name not in self._surfaces:
             entry = self._document["patients"][self.patients.index(name)]
@@ -173,7 +173,7 @@ class Cohort:
         return points_of(surface, self._moved(case, surface))
 
     def write_surface(self, case: str, path: str | os.PathLike[str]) -> None:
-        """Write the whole surface of a case; as .vtp the same bytes whatever the store keeps."""
+        """Write the whole surface of a case; a .vtp has the same bytes whatever the store keeps."""
         if self._document["store"] == "vtp" and os.fspath(path).lower().endswith(".vtp"):
             write_bytes(path, self.store.data(case, SURFACES["vtp"]))
             return

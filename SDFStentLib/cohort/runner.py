@@ -1,4 +1,4 @@
-"""Carry out a sweep: hand over what is not whole yet, count what comes back, survive the rest."""
+"""Carrying out a sweep: hand over cases that are not whole, count outcomes, survive failures."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from .value import Sweep
 from .worker import Outcome, Task, task_of, write_failure
 
 ROUNDS = 3
-"""Executors in a row that break before any case is finished: then it is not the cases."""
+"""Number of executors in a row that break before any case is finished: it is not the cases then."""
 
 BLAMED = 2
-"""Workers that end with nothing else to do than one case, before it is that case."""
+"""Number of workers that end with nothing but one case to do, before that case is blamed."""
 
 TOO_LONG = "it took longer than the time limit of {:g} s; allow more, or look at its worker"
 
 KILLED = "its worker ended without a word: killed, or out of memory"
 
 SAVE = 2.0
-"""Seconds after which progress is kept in the store."""
+"""Interval, s, after which progress is saved in the store."""
 
 Progress = Callable[[Tally], None]
 
@@ -45,20 +45,21 @@ def run_sweep(
     executor: Executor | str | None = None,
     progress: Progress | None = None,
 ) -> Tally:
-    """Carry out all cases of a sweep that the folder has not got yet, and write its manifest.
+    """Carry out all cases of a sweep that the folder does not have yet, and write its manifest.
 
     Parameters
     ----------
     sweep : Sweep
     folder : path
-        Made when it is missing. Cases that are whole in it are skipped, those that failed are
-        done again. Every worker has to see it, and the files of the patients, by the same path.
+        Folder, made if it is missing. Cases that are whole in it are skipped, failed ones are done
+        again. Every worker has to see it, and the files of the patients, under the same path.
     workers : int, optional
         Processes on this machine; by default one per core.
     executor : concurrent.futures.Executor or str, optional
-        In place of these: any executor, which the caller ends, or the address of a Dask scheduler.
+        Instead of `workers`: any executor, which the caller ends, or the address of a Dask
+        scheduler.
     progress : callable, optional
-        Called with the counts, twice a second.
+        Function that is called with the counts, twice a second.
 
     Returns
     -------
@@ -70,8 +71,8 @@ def run_sweep(
         Another sweep is running in the folder, it holds cases that are not in this one, or the
         scheduler does not answer.
     DeploymentError
-        The store cannot be written, or the workers are lost for good. What is whole is kept,
-        and the next run goes on from there; so it does after `KeyboardInterrupt`.
+        The store cannot be written, or the workers are lost for good. Whole cases are kept, and
+        the next run goes on from there, as it does after `KeyboardInterrupt`.
     """
     place = workplace(workers, executor, sweep.time_limit)
     store, cases = Store(folder), list(Cases(sweep))
@@ -90,7 +91,7 @@ def run_sweep(
 
 
 def _prepare(store: Store, sweep: Sweep, cases: list[Case]) -> None:
-    """Write what the cohort is; a folder may grow, but no case that is whole may go."""
+    """Write the document of the cohort; a folder may grow, but no whole case may go."""
     document = cohort_document(sweep, cases, store.folder)
     if (store.folder / COHORT).exists():
         own = {case.id for case in cases}
@@ -101,7 +102,7 @@ def _prepare(store: Store, sweep: Sweep, cases: list[Case]) -> None:
                 f"{store.folder}: expected a folder of this sweep, or of a part of it, got one "
                 f"with {gone} other cases; name another folder."
             )
-        for case in others:  # that failed, such as those of a file that is mended now
+        for case in others:  # failed ones, such as those of a file that is mended now
             store.remove(case)
     store.clear_leftovers()
     store.write(COHORT, as_json(document))
@@ -120,13 +121,13 @@ class _Run:
         self._is_under_way = False
 
     def left(self, cases: Iterable[Case]) -> list[Case]:
-        """The cases that are not whole when the run begins."""
+        """The cases that are not whole when the run begins, counting the others as found."""
         left = self._left(cases)
         self.tally = replace(self.tally, found=self.tally.finished)
         return left
 
     def _left(self, cases: Iterable[Case]) -> list[Case]:
-        """The cases that are not whole; the others are counted."""
+        """The cases that are not whole; all others are counted."""
         left = []
         for case in cases:
             known = self.store.case(case.id)
@@ -141,7 +142,7 @@ class _Run:
         return left
 
     def carry_out(self, tasks: list[Task]) -> None:
-        """All of them, with as many executors as it takes."""
+        """Carry out all tasks, with as many executors as it takes."""
         waiting, suspects, idle = deque(tasks), deque[Task](), 0
         # Ends: every round finishes a case, blames one, or counts as idle.
         while waiting or suspects:
@@ -166,19 +167,19 @@ class _Run:
                 raise _gave_up(error) from error
 
     def recount(self, cases: Iterable[Case]) -> None:
-        """Count what the store has: some cases may have got there unheard."""
+        """Count the cases in the store: some may have got there unnoticed."""
         self.tally = Tally(self.tally.total, failed=self.tally.failed, found=self.tally.found)
         self._left(cases)
 
     def end(self) -> None:
-        """Leave a folder that tells how far it got, whatever happened."""
+        """Leave a folder that shows how far the sweep got, whatever happened."""
         self.tally = replace(self.tally, lacks_workers=False)
-        self.told(is_last=True)
+        self.report(is_last=True)
         self.store.clear_leftovers()
         write_manifest(self.store.folder)
 
-    def told(self, *, is_last: bool = False) -> None:
-        """Tell and keep the counts, if that is due."""
+    def report(self, *, is_last: bool = False) -> None:
+        """Report and save the counts if that is due."""
         now = monotonic()
         self.tally = replace(self.tally, seconds=now - self._start)
         if self.progress is not None and (is_last or now - self._shown >= LOOK):
@@ -186,21 +187,21 @@ class _Run:
             self.progress(self.tally)
         if is_last or now - self._saved >= SAVE:
             self._saved = now
-            with suppress(StoreError):  # the cases tell that a store cannot be written
+            with suppress(StoreError):  # the cases report that a store cannot be written
                 save_tally(self.store, self.tally)
 
     def _looked(self, executor: Executor) -> None:
-        """Tell the counts, and whether anybody is there to change them; end who is too slow."""
+        """Report the counts and whether there are workers; end workers that take too long."""
         if self.place.watch is not None:
             self._late.update(self.place.watch.overdue())
         if monotonic() - self._asked >= SAVE:
             self._asked = monotonic()
             lacks_workers = self.place.lacks_workers(executor)
             self.tally = replace(self.tally, lacks_workers=lacks_workers)
-        self.told()
+        self.report()
 
     def _round(self, queue: deque[Task], window: int) -> tuple[Exception, list[Task]] | None:
-        """Work a queue off with one executor; why that broke, and what was with it then."""
+        """Work off a queue with one executor; return the error that broke it and its open tasks."""
         at_work: dict[Future[Outcome], Task] = {}
         self._late.clear()
         try:
@@ -233,7 +234,7 @@ class _Run:
         return None
 
     def _after_a_death(self, unfinished: list[Task], alone: bool) -> list[Task]:
-        """What is done again when a worker ended: one by one, so that it is known which it was."""
+        """Tasks to repeat after a worker ended: one by one, to find the case that ended it."""
         if not alone:
             return unfinished
         left = []
@@ -246,7 +247,7 @@ class _Run:
         return left
 
     def _after_time_is_up(self, unfinished: list[Task]) -> list[Task]:
-        """What is left to do after workers were ended for cases that took too long."""
+        """Tasks left after workers were ended for cases that took too long."""
         assert self.place.watch is not None
         late, self._late = self._late, set()
         for task in unfinished:
@@ -258,7 +259,7 @@ class _Run:
         self.tally = self.tally.counted(write_failure(self.store, task, reason))
 
     def _not_whole(self, tasks: Iterable[Task]) -> list[Task]:
-        """Those of some tasks whose cases did not reach the store; the others are counted."""
+        """Those of some tasks whose cases did not reach the store; all others are counted."""
         found = {case.id for case in self._left(task.case for task in tasks)}
         return [task for task in tasks if task.case.id in found]
 

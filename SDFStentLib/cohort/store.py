@@ -1,4 +1,4 @@
-"""Where cases are kept: a folder per case that appears whole or not at all.
+"""The store of cases: a folder for each case that appears whole or not at all.
 
 ```
 DIR/cohort.json            what the cohort is: patients, axes, every case
@@ -29,19 +29,20 @@ CASE, TIMES, REPORT = "case.json", "times.json", "report.json.gz"
 SURFACES = {"vtp": "surface.vtp", "moved": "moved.npz"}
 COHORT, PROGRESS = "cohort.json", "progress.json"
 WHOLE = ("done", "excluded")
-"""States of a case that is not done again."""
+"""Statuses of a case that need not be done again."""
 
 _NAME = re.compile("[0-9a-f]{20}")
-"""Of a case: it is a folder, too, which is removed before the case is done again."""
+"""Name of a case, and of its folder, which is removed before the case is done again."""
 
 _LOOKS, _LOOK = 4, 0.1
-"""Whoever asks for the status holds the lock for a moment."""
+"""Number of attempts at the lock, and pause between them, s: a status query holds it
+for a moment."""
 
 _LOCK, _PREFIX = ".sdfstent-lock", ".sdfstent-"
 
 
 class StoreError(DeploymentError):
-    """The store cannot be written: nothing else can be done before that is mended."""
+    """The store cannot be written, and nothing can go on before that is mended."""
 
 
 class Store:
@@ -56,12 +57,13 @@ class Store:
         self.folder = Path(os.path.abspath(folder))
 
     def path(self, case: str) -> Path:
-        """The folder of a case; 256 folders above them keep every one of them small."""
+        """The folder of a case; it lies in one of 256 folders, so that each of these
+        stays small."""
         return self.folder / "cases" / case[:2] / case
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """One sweep at a time writes here; the system drops the lock with its process.
+        """Hold the lock of the store: only one sweep at a time writes; it ends with its process.
 
         Raises
         ------
@@ -95,9 +97,9 @@ class Store:
             os.close(descriptor)
 
     def case(self, case: str) -> dict[str, Any] | None:
-        """What is known of a case; None where it is missing or not whole.
+        """The record of a case; None if it is missing or not whole.
 
-        Files have to be there with the size that they were written with.
+        Its files have to be there in the size in which they were written.
         """
         folder = self.path(case)
         try:
@@ -115,11 +117,11 @@ class Store:
         return known is not None and known["status"] in WHOLE
 
     def remove(self, case: str) -> None:
-        """Forget a case."""
+        """Remove a case."""
         shutil.rmtree(self.path(case), ignore_errors=True)
 
     def times(self, case: str) -> dict[str, Any]:
-        """When and where a case was done; empty where that is not known."""
+        """Time and place at which a case was done; empty if not known."""
         try:
             found = json.loads((self.path(case) / TIMES).read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -127,7 +129,7 @@ class Store:
         return found if isinstance(found, dict) else {}
 
     def data(self, case: str, name: str) -> bytes:
-        """A file of a case; `InputError` when it is missing or damaged."""
+        """The bytes of a file of a case; `InputError` if it is missing or damaged."""
         known = self.case(case)
         if known is None or name not in known["files"]:
             raise InputError(f"case {case}: expected a file {name}, there is none; run it again.")
@@ -138,14 +140,14 @@ class Store:
 
     @contextmanager
     def writing(self, case: str) -> Iterator[Path]:
-        """A folder to write the files of a case into, which then takes its place as a whole.
+        """A folder into which the files of a case are written; it then takes its place as a whole.
 
-        Whoever comes second, with the same case done twice, is dropped: the bytes are the same.
+        If a case is done twice, the second result is dropped: the bytes are the same.
 
         Raises
         ------
         StoreError
-            Such as a full disk; nothing of the case is left.
+            The case cannot be written, as on a full disk; nothing of it is left.
         """
         target = self.path(case)
         temporary: Path | None = None
@@ -164,14 +166,14 @@ class Store:
                 shutil.rmtree(temporary, ignore_errors=True)
 
     def write_case(self, folder: Path, known: Mapping[str, Any], times: Mapping[str, Any]) -> None:
-        """Write what is known of a case, with size and hash of the files that lie there."""
+        """Write the record of a case, with size and hash of the files in its folder."""
         files = {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
         sums = {name: [len(data), hashlib.sha256(data).hexdigest()] for name, data in files.items()}
         (folder / CASE).write_bytes(as_json({**known, "files": sums}))
         (folder / TIMES).write_bytes(as_json(times))
 
     def write(self, name: str, data: bytes) -> None:
-        """A file of the whole cohort; `StoreError` where it cannot be written."""
+        """Write a file of the whole cohort; `StoreError` if it cannot be written."""
         try:
             write_bytes(self.folder / name, data)
         except InputError as error:
@@ -183,7 +185,7 @@ class Store:
         Raises
         ------
         InputError
-            None is there, or it is damaged.
+            There is none, or it is damaged.
         """
         path = self.folder / name
         try:
@@ -200,7 +202,7 @@ class Store:
         Raises
         ------
         InputError
-            None is there, or it is not the one of a cohort.
+            There is none, or it is not that of a cohort.
         """
         found: dict[str, Any] = self.read(COHORT)
         try:
@@ -215,7 +217,7 @@ class Store:
         return found
 
     def clear_leftovers(self) -> None:
-        """Remove what killed workers have left half written; under the lock only."""
+        """Remove what killed workers have left half written; only to be called under the lock."""
         for path in self.folder.glob(f"cases/*/{_PREFIX}*"):
             shutil.rmtree(path, ignore_errors=True)
 
@@ -232,7 +234,7 @@ class Store:
 
 
 def _is_case(found: Mapping[str, Any]) -> bool:
-    """Whether something is known of a case that can be told."""
+    """Whether the record of a case has everything that is read from it."""
     rows = found["rows"]
     return (
         isinstance(found["status"], str)
@@ -244,7 +246,7 @@ def _is_case(found: Mapping[str, Any]) -> bool:
 
 
 def _fits(cohort: Mapping[str, Any]) -> Iterator[bool]:
-    """Whether each thing that the tables need is in the document of a cohort."""
+    """Whether each thing that the tables need is in the document of a cohort, one by one."""
     axes, patients = cohort["axes"], cohort["patients"]
     for text in (cohort["method"], cohort["sdfstent_version"], cohort["store"]):
         yield isinstance(text, str)
@@ -261,7 +263,7 @@ def _fits(cohort: Mapping[str, Any]) -> Iterator[bool]:
 
 
 def as_json(value: Any) -> bytes:
-    """One line of JSON, the same for the same values."""
+    """A line of JSON, always the same for the same values."""
     return json.dumps(value, sort_keys=True, ensure_ascii=False, allow_nan=False).encode() + b"\n"
 
 

@@ -1,4 +1,4 @@
-"""A sweep as one value, a plan and what varies in it, on the files of each of its patients."""
+"""A sweep as one value: a plan, what varies in it, and the files of each patient."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from ..plan import (
 )
 from ..stent import InputFile
 from ..validation import InputError
-from .axes import DIAMETERS, PLACES, Axis
+from .axes import DIAMETERS, PLACES, SweepAxis
 from .constraints import Constraints
 
 MOST_SAMPLES = 10_000_000
-"""Of a sweep for each patient."""
+"""Largest number of samples for each patient of a sweep."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """How points are drawn: the method, how many for each patient, and the seed."""
+    """How points are drawn: the method, their number for each patient, and the seed."""
 
     method: str = "grid"
     count: int = 0
@@ -39,7 +39,7 @@ class Sampling:
 
 @dataclass(frozen=True)
 class Patient:
-    """A name, and the base plan on this patient's files, with the hashes of what they hold now."""
+    """A name, and the base plan for this patient's files with their current hashes."""
 
     name: str
     plan: Plan
@@ -52,20 +52,20 @@ class Sweep:
     Attributes
     ----------
     patients : tuple of Patient
-    axes : tuple of Axis
+    axes : tuple of SweepAxis
     sampling : Sampling
     constraints : Constraints
     stent : int
-        The stent of the plan that the axes change, from 1.
+        Number of the stent that the axes change, from 1.
     store : {"vtp", "moved"}
     folder : str
-        Of the document; paths in it start there.
+        Folder of the document, from which paths in it start.
     time_limit : float, optional
-        For each case, s: after it the case has failed. It changes no result.
+        Time limit of each case, s, after which it has failed. It changes no result.
     """
 
     patients: tuple[Patient, ...]
-    axes: tuple[Axis, ...]
+    axes: tuple[SweepAxis, ...]
     sampling: Sampling
     constraints: Constraints = Constraints()
     stent: int = 1
@@ -75,11 +75,11 @@ class Sweep:
 
 
 INPUT_KEYS = ("surface", "centerline", "units", "frame", "root", "reference", "names")
-"""What a patient may have besides a name, as the inputs of a plan."""
+"""Keys that a patient may have besides a name, as in the inputs of a plan."""
 
 
 def template_of(value: Any, folder: str) -> tuple[dict[str, Any], str]:
-    """The document of the base plan, and the folder that its paths start at."""
+    """The document of the base plan, and the folder from which its paths start."""
     if isinstance(value, Mapping):
         return dict(value), folder
     if not isinstance(value, str):
@@ -94,29 +94,29 @@ def template_of(value: Any, folder: str) -> tuple[dict[str, Any], str]:
 def patients_of(
     value: Any,
     template: Mapping[str, Any],
-    axes: tuple[Axis, ...],
+    axes: tuple[SweepAxis, ...],
     stent: int,
     folders: tuple[str, str],
 ) -> tuple[Patient, ...]:
-    """Everyone that a document lists, with a whole plan; the base plan's own vessel without a list.
+    """The patients that a document lists, each with a whole plan; by default the base plan's own.
 
     Parameters
     ----------
     value : Any
-        As the document has it; None where it lists nobody.
+        The list as the document has it; None if it has none.
     template : mapping
         The document of the base plan.
-    axes : tuple of Axis
-        What they give may be left out of that.
+    axes : tuple of SweepAxis
+        Axes; values that they give may be left out of the template.
     stent : int
-        The one that they change, by number from 1.
+        Number of the stent that they change, from 1.
     folders : tuple of two str
-        Those that paths start at: of the patients, and of the base plan.
+        Folders from which paths start: those of the patients, and those of the base plan.
 
     Raises
     ------
     InputError
-        What is no patient, or one without a name of its own or a surface; a plan that is none.
+        An entry that is no patient, or one without a surface or a name of its own; an invalid plan.
     """
     filled = _filled(template, axes, stent)
     if value is None:
@@ -143,8 +143,8 @@ def patients_of(
     return tuple(patients.values())
 
 
-def _filled(template: Mapping[str, Any], axes: tuple[Axis, ...], stent: int) -> dict[str, Any]:
-    """The template as a whole plan: what the axes give may be left out of it."""
+def _filled(template: Mapping[str, Any], axes: tuple[SweepAxis, ...], stent: int) -> dict[str, Any]:
+    """The template as a whole plan: values that the axes give may be left out of it."""
     listed = sequence(template.get("stents", []), "plan.stents")
     stents = [dict(one) if isinstance(one, Mapping) else one for one in listed]
     if not 0 < stent <= len(stents):
@@ -175,7 +175,7 @@ def _with_hashes(plan: Plan) -> Plan:
 
 
 def _hashed(file: InputFile | None) -> InputFile | None:
-    """The file with the hash of what it holds, unless the document names one."""
+    """The file with the hash of its contents, unless the document gives one."""
     if file is None or file.sha256 is not None:
         return file
     try:

@@ -1,4 +1,4 @@
-"""How a worker process begins, how long it is at a case, and its end whatever it does."""
+"""How a worker process begins, how long it has been at a case, and how it ends in any event."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ ONE_THREAD = (
     "MKL_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
-"""Variables that libraries of linear algebra read once, when they are loaded."""
+"""Environment variables that linear algebra libraries read once, when they are loaded."""
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Processes that start within the block have one thread of linear algebra."""
+    """Give processes that start within the block one thread of linear algebra each."""
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
     try:
@@ -42,7 +42,7 @@ _begun: list[Connection] = []
 def start_worker(sweep: Connection, begun: Connection | None = None) -> None:
     """Leave Ctrl-C to the sweep, and end when the other end of its pipe is closed.
 
-    Where it is to know what is begun, `begun` is what tells it.
+    `begun` is the pipe by which the sweep learns which case is begun, if it has to know.
     """
     if begun is not None:
         _begun.append(begun)
@@ -53,10 +53,10 @@ def start_worker(sweep: Connection, begun: Connection | None = None) -> None:
 
 
 def begin(case: str) -> None:
-    """Tell the sweep that this process begins a case, where it is to know.
+    """Tell the sweep, if it has to know, that this process begins a case.
 
-    Workers share the pipe without a lock, which one that is stopped would keep: so few bytes are
-    written at once.
+    Workers share the pipe without a lock, as a stopped worker would keep it: so few bytes are
+    always written at once.
     """
     for pipe in _begun:
         with suppress(OSError):
@@ -70,7 +70,8 @@ def _end_with(sweep: Connection) -> NoReturn:
 
 
 START_SECONDS = 60.0
-"""In which a worker starts and begins a case, even on a busy machine and with a shorter limit."""
+"""Time, s, in which a worker starts and begins a case even on a busy machine; a lower limit of a
+case does not count before."""
 
 
 class WorkerContext(SpawnContext):
@@ -86,14 +87,14 @@ class WorkerContext(SpawnContext):
         self.made: list[SpawnProcess] = []
 
     def Process(self, *arguments: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]
-        """As of any context."""
+        """A new process, as of any context."""
         self.made.append(SpawnProcess(*arguments, **named))
         return self.made[-1]
 
     def end(self, seconds: float) -> None:
-        """Kill the processes that have not ended by themselves after so many seconds.
+        """Kill the processes that have not ended by themselves after some seconds.
 
-        One that is stopped, or waits for a disk that does not answer, never does.
+        A process that is stopped, or waits for a disk that does not answer, never ends by itself.
         """
         started = [process for process in self.made if process.pid is not None]
         last, alive = monotonic() + seconds, {process.sentinel for process in started}
@@ -111,7 +112,7 @@ class Watch:
     Parameters
     ----------
     seconds : float
-        That a case may take from its beginning.
+        Time that a case may take from its beginning, s.
     """
 
     def __init__(self, seconds: float) -> None:
@@ -119,21 +120,21 @@ class Watch:
         self.begin(None, ())
 
     def begin(self, begun: Connection | None, processes: Iterable[SpawnProcess]) -> None:
-        """Watch another pool: its workers tell `begun` of every case, see `begin`."""
+        """Watch another pool, whose workers report every case that they begin through `begun`."""
         self._begun, self._processes = begun, processes
         self._at_work: dict[str, tuple[int, float]] = {}
         self._last = monotonic()
 
     def finished(self, case: str) -> None:
-        """Nobody is at this case any more."""
+        """Note that no worker is at this case any more."""
         self._at_work.pop(case, None)
         self._last = monotonic()
 
     def overdue(self) -> list[str]:
-        """End the workers whose cases have taken too long; these cases.
+        """End the workers whose cases have taken too long; return these cases.
 
-        Where none is at a case and none begins one all of them end: one of them keeps the others
-        from it.
+        If no worker is at a case and none begins one, all of them are ended, as one keeps the
+        others from beginning.
         """
         now = monotonic()
         # Ends: workers say once of every case that they begin it.

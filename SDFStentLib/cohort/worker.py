@@ -33,7 +33,7 @@ from .varied import plan_of_case
 from .watch import begin
 
 KEPT = 2
-"""Patients whose vessels a worker keeps: cases come patient by patient."""
+"""Number of patients whose vessels a worker keeps: cases come patient by patient."""
 
 
 class Task(NamedTuple):
@@ -46,13 +46,13 @@ class Task(NamedTuple):
     stent: int
     constraints: Constraints
     surface: str
-    """`vtp` or `moved`."""
+    """Way to store the surface: `vtp` or `moved`."""
     folder: str
-    """Of the store."""
+    """Folder of the store."""
 
 
 def task_of(sweep: Sweep, case: Case, store: Store) -> Task:
-    """What a worker needs to carry out a case of a sweep."""
+    """The task of carrying out a case of a sweep."""
     patient, folder = sweep.patients[case.patient], os.fspath(store.folder)
     return Task(
         case, patient.name, patient.plan, sweep.stent, sweep.constraints, sweep.store, folder
@@ -60,14 +60,14 @@ def task_of(sweep: Sweep, case: Case, store: Store) -> Task:
 
 
 class Outcome(NamedTuple):
-    """What came of a case; everything else is in the store."""
+    """The outcome of a case; everything else is in the store."""
 
     id: str
     status: str
     """`done`, `excluded` or `failed`."""
     certified: bool | None = None
     reason: str = ""
-    """Why it is not done, or not certified."""
+    """Reason why it is not done, or not certified."""
 
 
 def run_case(task: Task) -> Outcome:
@@ -76,7 +76,7 @@ def run_case(task: Task) -> Outcome:
     Raises
     ------
     StoreError
-        The store cannot be written. Whatever else goes wrong is the outcome of the case.
+        The store cannot be written. Any other error is the outcome of the case.
     """
     begin(task.case.id)
     clock, started = perf_counter(), datetime.now(timezone.utc)
@@ -111,7 +111,7 @@ def run_case(task: Task) -> Outcome:
 
 
 def write_failure(store: Store, task: Task, reason: str) -> Outcome:
-    """Put a case into the store that no worker survived."""
+    """Write a case that no worker survived into the store."""
     with store.writing(task.case.id) as folder:
         times = _times(datetime.now(timezone.utc), {}, 0.0)
         store.write_case(folder, _known(task, "failed", reason, None), times)
@@ -129,7 +129,8 @@ _patients: OrderedDict[str, InputFiles | InputError] = OrderedDict()
 
 
 def _inputs_of(plan: Plan) -> InputFiles:
-    """The files of a plan, read once for as long as its patient is swept; a failure, too."""
+    """The files of a plan, read once for as long as its patient is swept; a failure
+    is kept, too."""
     key = plan_text(replace(plan, stents=()))
     with _lock:  # threads of one worker wait rather than read twice
         if key not in _patients:
@@ -149,7 +150,7 @@ def _inputs_of(plan: Plan) -> InputFiles:
 
 
 def _known(task: Task, status: str, reason: str, result: PlanResult | None) -> dict[str, Any]:
-    """What the manifest tells of a case; no times."""
+    """The record of a case that the manifest is made from, without times."""
     rows = [] if result is None else _rows(result)
     parameters = {name: label(value) for name, value in task.case.parameters.items()}
     return {
@@ -164,9 +165,9 @@ def _known(task: Task, status: str, reason: str, result: PlanResult | None) -> d
 
 
 def _rows(result: PlanResult) -> list[dict[str, Any]]:
-    """A row per stent, with the flow where the plan knows of it."""
-    told = {"warnings": len(result.warnings) + len(result.size_warnings)}
-    rows = [_row(row) | told for row in stent_rows(result.told)]
+    """A row for each stent, with the flow if the plan has it."""
+    counts = {"warnings": len(result.warnings) + len(result.size_warnings)}
+    rows = [_row(row) | counts for row in stent_rows(result.told)]
     if result.flow is None:
         return rows
     flow = flow_section(result.flow)
@@ -174,7 +175,7 @@ def _rows(result: PlanResult) -> list[dict[str, Any]]:
 
 
 def _row(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row without times, null where a number is not known."""
+    """A row without times, with null where a number is not known."""
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value
         for name, value in row.items()
@@ -192,7 +193,7 @@ def _write_surface(result: PlanResult, folder: Path, kind: str) -> None:
 
 
 def _report(result: PlanResult, plan: Plan) -> bytes:
-    """The report without what differs from run to run."""
+    """The report without anything that differs from run to run."""
     report = plan_report(result).as_dict()
     del report["created"], report["timings"]
     text = _without_folders(json.dumps(report, ensure_ascii=False, allow_nan=False), plan)
@@ -200,7 +201,7 @@ def _report(result: PlanResult, plan: Plan) -> bytes:
 
 
 def _without_folders(text: str, plan: Plan) -> str:
-    """A text with the names of the patient's files only: where they lie changes no result."""
+    """A text with only the names of the patient's files: where these lie changes no result."""
     for file in (plan.surface, plan.centerline, *(stent.axis_file for stent in plan.stents)):
         if file is not None:
             for path in (file.path, json.dumps(file.path)[1:-1]):

@@ -1,4 +1,4 @@
-"""Synthetic vessels whose axes, radii and openings are known exactly."""
+"""Synthetic vessels with exactly known axes, radii and openings."""
 
 from .cavopulmonary import cavopulmonary_connection as cavopulmonary_connection
 from .phantoms import arch_with_coarctation as arch_with_coarctation

@@ -1,4 +1,4 @@
-"""Axes of the synthetic vessels: curves by arc length, in closed form."""
+"""Axes of the synthetic vessels: curves in closed form, parametrized by arc length."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class TrueAxis:
     length : float
         Arc length from start to end, mm.
     point, tangent, normal : callable
-        Arc lengths (n,) in mm to an (n, 3) array. `tangent` and `normal` are unit vectors,
-        perpendicular to each other; the normal turns as little as a normal can (no twist).
+        Functions from arc lengths (n,), mm, to an (n, 3) array. `tangent` and `normal` are
+        perpendicular unit vectors; the normal turns as little as a normal can (no twist).
     """
 
     length: float
@@ -42,7 +42,7 @@ def planar_axis(
     heading: ArrayLike = (0.0, 0.0, 1.0),
     toward: ArrayLike = (1.0, 0.0, 0.0),
 ) -> TrueAxis:
-    """Straight lines and circular arcs in a plane, each continuing in the last one's direction.
+    """An axis of straight lines and arcs in a plane, each continuing in the direction of the last.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def planar_axis(
     start : (3,) array
         First point, mm.
     heading, toward : (3,) arrays
-        Direction at the start, and a direction that spans the plane with it.
+        Direction at the start, and a second direction that spans the plane with it.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def planar_axis(
         piece = np.clip(np.searchsorted(knots, inside, side="right") - 1, 0, len(pieces) - 1)
         step = inside - knots[piece]
         turn = curvatures[piece] * step
-        # The chord of an arc: as long as sinc says, in the direction halfway through the turn.
+        # The chord of an arc has a length given by sinc and the direction halfway through the turn.
         chord = (step * np.sinc(turn / (2 * np.pi)))[:, None]
         at = corners[piece] + chord * _directions(angles[piece] + turn / 2)
         return inside, at, _directions(angles[piece] + turn)

@@ -13,10 +13,10 @@ from .junction import branching_tube
 from .value import Phantom, TrueOpening, TrueVessel, assembled
 
 THROAT = 26.0
-"""Of the conduit, from its lower end, mm."""
+"""Distance of the conduit's throat from its lower end, mm."""
 
 HALF_LENGTH = 16.0
-"""Of its narrowing, mm."""
+"""Half the length of the conduit's narrowing, mm."""
 
 
 def cavopulmonary_connection(
@@ -32,7 +32,7 @@ def cavopulmonary_connection(
     Raises
     ------
     InputError
-        Sizes out of their range: a throat wider than the conduit, that wider than 20 mm.
+        Sizes out of their range: a throat wider than the conduit, or that wider than 20 mm.
     """
     as_number(edge_length, "edge_length", unit="mm", above=0, maximum=1.5)
     as_number(conduit_radius, "conduit_radius", unit="mm", minimum=6, maximum=10)

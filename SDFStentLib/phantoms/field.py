@@ -12,7 +12,7 @@ from ..validation import Floats, Points
 from .axis import TrueAxis
 
 SAMPLE_SPACING = 0.1
-"""Of the axes, mm; between samples axis and radius are parabolas, which err by less than 1e-4."""
+"""Spacing of samples of the axes, mm; axis and radius are parabolas in between, to within 1e-4."""
 
 
 class TubeField(NamedTuple):
@@ -23,7 +23,7 @@ class TubeField(NamedTuple):
 
 
 class Rim(NamedTuple):
-    """Where a vessel is cut flat: center (3,) and radius, mm, unit normal (3,) out of the lumen."""
+    """A flat cut of a vessel: center (3,) and radius, mm, and unit normal (3,) out of the lumen."""
 
     center: Floats
     outward: Floats
@@ -31,7 +31,7 @@ class Rim(NamedTuple):
 
 
 class FieldValues(NamedTuple):
-    """Values (n,), mm, negative inside, and gradients (n, 3)."""
+    """Values (n,) of a field, mm, negative inside, and its gradients (n, 3)."""
 
     value: Floats
     gradient: Floats
@@ -40,8 +40,8 @@ class FieldValues(NamedTuple):
 class _Table(NamedTuple):
     """A tube at its samples.
 
-    TrueAxis points, tangents and curvature vectors (n, 3); radius with its first and second
-    derivative (n, 3); how far each sample stands for the axis before and after it (n, 2).
+    Points, tangents and curvature vectors (n, 3) of the axis; radius with its first and second
+    derivative (n, 3); lengths of axis before and after it for which each sample stands (n, 2).
     """
 
     points: Points
@@ -52,7 +52,7 @@ class _Table(NamedTuple):
 
 
 class TubeUnion:
-    """The solid `f(x) <= 0` of several tubes, smoothly blended where they meet.
+    """The solid `f(x) <= 0` of several tubes, blended smoothly where they meet.
 
     For each tube f is the distance to its axis minus the radius there; the tubes are joined in
     order by the smooth minimum of blend width w. Where only one tube is near, f is exactly that
@@ -63,12 +63,12 @@ class TubeUnion:
     ----------
     tubes : sequence of TubeField
     blend_width : float
-        w, mm.
+        The width w, mm.
     beyond : float
-        How far tubes go on beyond their open ends, mm.
+        Distance by which tubes go on beyond their open ends, mm.
     open_ends : sequence of int, optional
-        Numbers of the tubes that are open at their end; default all. The others end where some
-        later ones start.
+        Numbers of the tubes that are open at their end; by default all. The others end where later
+        ones start.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class TubeUnion:
         return FieldValues(value, gradient)
 
     def rims(self) -> list[Rim]:
-        """The start of the first tube, then the open ends in order."""
+        """The rim at the start of the first tube, then those of the open ends in order."""
         ends = [(self.tubes[0], 0.0, -1.0)]
         ends += [(self.tubes[n], self.tubes[n].axis.length, 1.0) for n in self.open_ends]
         return [
@@ -128,7 +128,8 @@ class TubeUnion:
         """Radius (n,) of the largest sphere around each point inside the solid, mm.
 
         `wall` (k, 3), points of the surface fine enough to start from, is refined: the sphere
-        touches where the line from its center is along the gradient. Flat ends do not count.
+        touches the wall where the line from its center runs along the gradient. Flat ends do not
+        count.
         """
         from scipy.spatial import KDTree  # late, as above
 

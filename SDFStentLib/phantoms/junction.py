@@ -10,13 +10,13 @@ from .field import Rim, TubeUnion
 from .mesh import FacedMesh, flipped, with_cap
 
 COARSEST_CELL = 2.0
-"""mm; the search for the surface starts with cells of at least this size."""
+"""Size, mm, that the cells have at least with which the search for the surface starts."""
 
 SPACING_FACTORS = (1.1, 1.07, 1.04, 1.0, 0.95)
-"""Grid spacing over the edge length that it gives, with what to try next."""
+"""Grid spacings over the edge length, in the order in which they are tried."""
 
 REPAIRS = 20
-"""Rounds of taking cells with two sheets apart; a handful of cells takes two or three."""
+"""Most rounds of separating the two sheets in cells; a handful of cells takes two or three."""
 
 RELAXATIONS = 24
 """Rounds of smoothing; fewer leave short edges, more no longer change the angles."""
@@ -28,12 +28,12 @@ def branching_tube(union: TubeUnion, edge_length: float, *, is_repaired: bool = 
     Parameters
     ----------
     union : TubeUnion
-        Goes on beyond its rims by at least three edges.
+        The tubes, which go on beyond their rims by at least three edges.
     edge_length : float
         Requested edge length, mm; at most two thirds of the smallest radius.
     is_repaired : bool
-        Take cells of the grid apart that hold two sheets, as a large surface has at any spacing;
-        otherwise look for a spacing that has none.
+        Whether to separate the sheets in grid cells that hold two, as a large surface has at any
+        spacing; otherwise a spacing without such cells is searched.
     """
     rims = union.rims()
     points, triangles = _manifold_nets(union, edge_length, is_repaired)
@@ -57,8 +57,8 @@ def surface_nets(
     """Isosurface f = 0 as the dual of a grid: a point per crossed cell, a quad per crossed edge.
 
     Method: Gibson, "Constrained elastic surface nets", MICCAI 1998, doi 10.1007/BFb0056277,
-    without the elastic step. Cells far from the surface are never made. `is_repaired` takes
-    cells apart that hold two sheets: their node nearest to the surface changes sides.
+    without the elastic step. Cells far from the surface are never made. `is_repaired` separates two
+    sheets in one cell: the node of the cell that is nearest to the surface changes sides.
     """
     lower, cells, counts = _cells_at_surface(union, spacing)
     strides = np.array([1, counts[0], counts[0] * counts[1]])
@@ -96,7 +96,7 @@ def surface_nets(
 def _manifold_nets(
     union: TubeUnion, edge_length: float, is_repaired: bool
 ) -> tuple[Points, Triangles]:
-    """Surface nets of the first grid in which no cell holds two sheets of the surface."""
+    """Surface nets of the first grid whose cells each hold only one sheet of the surface."""
     for factor in SPACING_FACTORS:
         points, triangles = surface_nets(union, factor * edge_length, is_repaired=is_repaired)
         if len(triangles) and is_manifold(triangles):
@@ -108,7 +108,7 @@ def _manifold_nets(
 
 
 def _of_one_sheet(values: Floats, corners: Indices) -> Floats:
-    """Values of the nodes such that no cell (c, 8) holds two sheets, if some rounds do."""
+    """Values at the nodes, changed so that no cell (c, 8) holds two sheets, if enough rounds do."""
     values = values.copy()
     for _ in range(REPAIRS):
         inside = values[corners] < 0
@@ -124,7 +124,7 @@ def _of_one_sheet(values: Floats, corners: Indices) -> Floats:
 
 
 def _is_one_sheet(inside: Flags) -> bool:
-    """Whether the corners (8,) of a cell inside are connected, and those outside."""
+    """Whether the corners (8,) of a cell that are inside are connected, and those outside, too."""
     steps = np.abs(_corners()[:, None] - _corners()).sum(axis=2)
     start, end = np.nonzero(steps == 1)
     same = inside[start] == inside[end]
@@ -136,7 +136,7 @@ def _corners() -> Indices:
 
 
 def _cells_at_surface(union: TubeUnion, spacing: float) -> tuple[Floats, Indices, Indices]:
-    """Lower corner of the grid, numbers of the cells near the surface, grid size in nodes."""
+    """Lower corner of the grid, numbers of the cells near the surface, and grid size in nodes."""
     levels = max(int(np.ceil(np.log2(COARSEST_CELL / spacing))), 0)
     lower, upper = union.bounds()
     coarse = np.ceil((upper - lower) / (spacing * 2**levels)).astype(np.int64)
@@ -153,7 +153,7 @@ def _cells_at_surface(union: TubeUnion, spacing: float) -> tuple[Floats, Indices
 
 
 def _split_quads(points: Points, quads: Indices) -> Triangles:
-    """Two triangles per quad, along the shorter diagonal."""
+    """Two triangles for each quad, along its shorter diagonal."""
     a, b, c, d = (points[quads[:, k]] for k in range(4))
     first = np.linalg.norm(a - c, axis=1) <= np.linalg.norm(b - d, axis=1)
     turned = np.where(first[:, None], quads, np.roll(quads, 1, axis=1))
@@ -161,7 +161,7 @@ def _split_quads(points: Points, quads: Indices) -> Triangles:
 
 
 def _trimmed(points: Points, triangles: Triangles, rims: list[Rim]) -> Triangles:
-    """Triangles inside the rims, with a boundary that no triangle touches at three corners."""
+    """Triangles inside the rims, none of which touches the boundary at all three corners."""
     centers = points[triangles].mean(axis=1)
     keep = np.ones(len(triangles), dtype=bool)
     for rim in rims:
@@ -179,7 +179,7 @@ def _trimmed(points: Points, triangles: Triangles, rims: list[Rim]) -> Triangles
 
 
 def _without_peaks(triangles: Triangles) -> Triangles:
-    """Triangles without the points at which only three meet; these would stay slivers."""
+    """Triangles without the points at which only three meet, as these would stay slivers."""
     valence = np.bincount(triangles.ravel())
     valence[boundary_edges(triangles)] = 0
     is_peak = valence == 3
@@ -204,7 +204,7 @@ def _without_unused(points: Points, triangles: Triangles) -> tuple[Points, Trian
 
 
 def _rim_loop(points: Points, triangles: Triangles, rim: Rim) -> Indices:
-    """The boundary points near a rim, in order around it."""
+    """The boundary points near a rim, in their order around it."""
     free = boundary_edges(triangles)
     near = np.linalg.norm(points[free[:, 0]] - rim.center, axis=1) < 1.5 * rim.radius
     following = dict(free[near].tolist())
@@ -221,7 +221,7 @@ def _rim_loop(points: Points, triangles: Triangles, rim: Rim) -> Indices:
 
 
 def _on_circle(loop: Points, rim: Rim) -> Points:
-    """The loop spread evenly over the rim, as near as possible to where it is."""
+    """The loop spread evenly over the rim, as near as possible to its present places."""
     radial = loop - rim.center
     first = radial[0] - (radial[0] @ rim.outward) * rim.outward
     first = first / np.linalg.norm(first)
@@ -237,7 +237,7 @@ def _on_circle(loop: Points, rim: Rim) -> Points:
 def _relaxed(
     union: TubeUnion, points: Points, triangles: Triangles, fixed: list[tuple[Indices, Rim]]
 ) -> tuple[Points, Triangles]:
-    """Points spread over the surface, rims kept, and edges flipped where that helps."""
+    """Points spread evenly over the surface, with rims kept and edges flipped where that helps."""
     is_free = np.ones(len(points), dtype=bool)
     for loop, _ in fixed:
         is_free[loop] = False
@@ -246,7 +246,7 @@ def _relaxed(
         toward = 0.6 * (_neighbor_means(points, triangles) - points)
         value, gradient = union(points)
         squared = np.maximum(dot(gradient, gradient), 0.01)
-        # Toward the neighbours within the surface, and one Newton step back onto it.
+        # Toward the neighbors within the surface, and one Newton step back onto it.
         along = dot(toward, gradient) + value
         toward -= (along / squared)[:, None] * gradient
         points = np.where(is_free[:, None], points + toward, points)

@@ -16,7 +16,7 @@ ROW_HEIGHT = np.sqrt(0.75)
 
 
 class FacedMesh(NamedTuple):
-    """Points, triangles and one face id per triangle."""
+    """Points, triangles, and a face id for each triangle."""
 
     points: Points
     triangles: Triangles
@@ -35,7 +35,7 @@ def swept_tube(
     Parameters
     ----------
     axis : TrueAxis
-        Must bend with a radius larger than the tube's.
+        The tube's axis; its bends must have a radius larger than the tube's.
     radius : callable
         Radius of the circle by arc length, mm.
     edge_length : float
@@ -67,7 +67,7 @@ def with_cap(patch: FacedMesh, rim: Indices, outward: Floats, face_id: int) -> F
     Parameters
     ----------
     patch : FacedMesh
-        What the rim belongs to.
+        The mesh to which the rim belongs.
     rim : (k,) array
         Indices of the rim's points, on a circle, in order around it.
     outward : (3,) array
@@ -93,7 +93,7 @@ def with_cap(patch: FacedMesh, rim: Indices, outward: Floats, face_id: int) -> F
 def disc(rim: Floats) -> tuple[Floats, Triangles]:
     """Fill a circle of points (k, 2) around the origin: inner points and triangles.
 
-    Triangles turn counterclockwise; indices from k on mean the inner points.
+    Triangles turn counterclockwise; indices from k on are those of inner points.
     """
     # Late: scipy.spatial costs more to import than the rest of the library together.
     from scipy.spatial import Delaunay
@@ -108,9 +108,9 @@ def disc(rim: Floats) -> tuple[Floats, Triangles]:
 
 
 def flipped(points: Points, triangles: Triangles, rounds: int = 3) -> Triangles:
-    """Triangles after Delaunay flips: edges whose opposite angles exceed 180 degrees are turned.
+    """Triangles after Delaunay flips of edges whose opposite angles together exceed 180 degrees.
 
-    A flip that would fold the surface, or make an edge twice, is left out. Rims stay.
+    A flip that would fold the surface, or make an edge a second time, is left out. Rims stay.
     """
     for _ in range(rounds):
         chosen = _edges_to_flip(points, triangles)
@@ -177,7 +177,7 @@ def _cotangent(points: Points, apex: Indices, start: Indices, end: Indices) -> F
 def _stations(
     axis: TrueAxis, radius: Callable[[Floats], Floats], edge_length: float
 ) -> tuple[Floats, int]:
-    """Arc lengths of the circles and how many points each has."""
+    """Arc lengths of the circles, and the number of points on each."""
     samples = axis.sampled(min(0.05, axis.length / 1000))
     radii = radius(samples)
     count = max(int(np.ceil(2 * np.pi * radii.max() / edge_length - 1e-9)), 6)
@@ -213,7 +213,7 @@ def _inner_rings(rim: Floats) -> Floats:
 
 
 def _centered(points: Floats, triangles: Indices) -> Floats:
-    """Every point halfway to the mean of the corners of its triangles."""
+    """Points moved halfway to the mean of the corners of their triangles."""
     corners = triangles.ravel()
     weight = np.bincount(corners, minlength=len(points))
     total = np.stack(

@@ -21,7 +21,7 @@ from .value import Phantom, TrueOpening, TrueVessel, assembled, ends_of
 
 
 def straight_tube(radius: float = 3.0, length: float = 40.0, edge_length: float = 0.8) -> Phantom:
-    """A cylinder along z; `InputError` for sizes that are no tube (so in all phantoms)."""
+    """A cylinder along z; here and in all phantoms `InputError` for sizes that make no tube."""
     axis = planar_axis([(_size(length, "length"), 0.0)])
     return _single("straight tube", axis, _constant(radius), edge_length)
 
@@ -76,11 +76,11 @@ def helix_tube(
     Raises
     ------
     InputError
-        Also when neighbouring turns would touch or the coil is too tight.
+        Also when neighboring turns would touch or the coil is too tight.
     """
     as_number(coil_radius, "coil_radius", unit="mm", above=1.2 * _size(radius, "radius"))
     as_number(turns, "turns", above=0)
-    # Seen along the tube, neighbouring turns are the pitch times the cosine of the slope apart.
+    # Seen along the tube, neighboring turns are the pitch times the cosine of the slope apart.
     slope = np.arctan(_size(pitch, "pitch") / (2 * np.pi * coil_radius))
     if turns > 0.5 and pitch * np.cos(slope) <= 2.1 * radius:
         raise InputError(
@@ -116,7 +116,7 @@ def hairpin_tube(
 
 
 ASCENDING_LENGTH = 30.0
-"""Of the arch, mm."""
+"""Length of the ascending part of the arch, mm."""
 
 
 def arch_with_coarctation(
@@ -212,7 +212,7 @@ def tube_with_neighbor(
 ) -> Phantom:
     """A stenosed tube along z and a second vessel of its own beside it, one surface.
 
-    The neighbour, of the same radius, stands `gap` mm from wall to wall in x. Its face ids go
+    The neighbor, of the same radius, stands `gap` mm from wall to wall in x. Its face ids go
     on: 4 wall, 5 and 6 caps. The stenosis, 40 % and 16 mm long, is halfway; the centerline has
     a root for each vessel.
     """
@@ -247,7 +247,7 @@ def _single(
     edge_length: float,
     throat: float | None = None,
 ) -> Phantom:
-    """A phantom of one swept tube."""
+    """A phantom made of one swept tube."""
     vessel = TrueVessel(name, axis, radius)
     _check_edge_length(edge_length, float(radius(axis.sampled(0.1)).min()))
     patch = swept_tube(axis, radius, edge_length)

@@ -1,4 +1,4 @@
-"""A vessel tree of hundreds of branches, which divide in two again and again."""
+"""A vessel tree of hundreds of branches that divide in two again and again."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .junction import branching_tube
 from .value import CENTERLINE_SPACING, Phantom, TrueOpening, TrueVessel
 
 ROOT_RADIUS = 5.0
-"""mm."""
+"""Radius of the first branch, mm."""
 
 SLENDERNESS = 9.0
 """Length of the first branch over its radius."""
@@ -25,45 +25,46 @@ NARROWER = 2 ** (-1 / 3)
 """Radius of a branch over its parent's: the cube law of Murray for two equal branches."""
 
 SHORTER = 0.76
-"""Length of a branch over its parent's. With longer ones branches of the sixth generation meet."""
+"""Length of a branch over its parent's; if longer, branches of the sixth generation would meet."""
 
 HALF_ANGLE = np.radians(50.0)
-"""Of a branch with its parent; every division lies across the one before."""
+"""Angle of a branch with its parent; every division lies across the one before."""
 
 BLEND_WIDTH = 0.6
-"""Of the union of the branches, mm."""
+"""Blend width of the union of the branches, mm."""
 
 LESION_HALF_LENGTH = 1.2
-"""Over the radius of the branch."""
+"""Half the length of a lesion, over the radius of its branch."""
 
 _MARGIN = 6.0
-"""The field is exact so near to a branch, mm; the search for the surface starts with less."""
+"""Distance from a branch within which the field is exact, mm; the search for the surface needs
+less."""
 
 _FAR = 1e3
-"""The field's value where no branch is near, mm."""
+"""Value of the field where no branch is near, mm."""
 
 _CELL = 8.0
-"""Size of the cells of space that know which branches are near, mm."""
+"""Size of the cells of space in which the branches nearby are known, mm."""
 
 
 def vascular_tree(
     outlets: int = 150, edge_length: float = 0.5, lesions: Mapping[int, float] | None = None
 ) -> Phantom:
-    """A tree that divides in two until it has so many outlets: 150 make 299 branches.
+    """A tree that divides in two until it has a number of outlets: 150 make 299 branches.
 
-    The root has a diameter of 10 mm; every division makes two branches alike, in the plane across
-    that of the last one. Always the widest of the outlets divides next.
+    The root has a diameter of 10 mm; every division makes two equal branches in the plane across
+    that of the last division. The widest of the outlets always divides next.
 
     Parameters
     ----------
     outlets : int
-        1 to 256.
+        Number of outlets, 1 to 256.
     edge_length : float
-        mm, at most 0.65 of the smallest radius; 150 outlets and 0.5 mm make some 200,000
-        triangles.
+        Edge length, mm, at most 0.65 of the smallest radius; 150 outlets and 0.5 mm make some
+        200,000 triangles.
     lesions : mapping of int to float, optional
-        By number of the branch, from 0 for the root's: the share of the diameter that is lost at
-        its middle, in a raised cosine 2.4 radii long.
+        Share of the diameter that is lost at the middle of a branch, in a raised cosine 2.4 radii
+        long, by the number of the branch, which is 0 for the root.
 
     Raises
     ------
@@ -99,7 +100,7 @@ def vascular_tree(
 
 
 class _Branch(NamedTuple):
-    """Where it starts and heads, and the direction to which it divides (3,); sizes in mm."""
+    """A branch: its start, heading and direction of division (3,); sizes in mm."""
 
     parent: int
     start: Floats
@@ -151,7 +152,7 @@ def _centerline(
 
 
 class _Tree(TubeUnion):
-    """The union of many tubes, of which only those near a place are looked at."""
+    """The union of many tubes, evaluated at a place from the tubes near it only."""
 
     def __init__(self, tubes: list[TubeField], leaves: list[int], beyond: float) -> None:
         super().__init__(tubes, BLEND_WIDTH, beyond, open_ends=leaves)
@@ -161,7 +162,7 @@ class _Tree(TubeUnion):
         self._near = [self._cells_near(number) for number in range(len(tubes))]
 
     def __call__(self, points: Points) -> FieldValues:
-        """The field at points (n, 3); exact within `_MARGIN` of the wall, large farther out."""
+        """The field at points (n, 3): exact within `_MARGIN` of the wall, and large farther out."""
         cell = self._cell_numbers(points)
         order = np.argsort(cell, kind="stable")
         in_order = cell[order]
@@ -181,7 +182,7 @@ class _Tree(TubeUnion):
         return np.ravel_multi_index(tuple(at.T), tuple(self._counts))
 
     def _cells_near(self, number: int) -> Indices:
-        """Numbers of the cells that come within the margin of a tube, and few more."""
+        """Numbers of the cells that come within the margin of a tube, and of few others."""
         table = self._tables[number]
         reach = float(table.radii[:, 0].max()) + self.blend_width + _MARGIN
         # Balls round places half a cell apart; the widening makes up for what is between them.

@@ -1,4 +1,4 @@
-"""What a synthetic vessel is: its surface, exact axes, radii, openings and centerline."""
+"""A synthetic vessel as a value: its surface, exact axes, radii, openings and centerline."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .axis import TrueAxis, inscribed_radii
 from .mesh import FacedMesh
 
 CENTERLINE_SPACING = 0.5
-"""Of the centerline points, mm."""
+"""Spacing of the centerline points, mm."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrueVessel:
     """One tube of a phantom: its axis and the radius of its cross section by arc length.
 
-    `joint` is the arc length of the first vessel, mm, at which it leaves that; None: it does not.
+    `joint` is the arc length of the first vessel, mm, at which it leaves that, or None.
     """
 
     name: str
@@ -70,9 +70,9 @@ class Phantom:
     vessels : tuple of TrueVessel
         The exact axes and section radii.
     openings : tuple of TrueOpening
-        In order of the face ids.
+        The openings, in order of their face ids.
     throat : TrueThroat or None
-        Where a stent belongs.
+        The place where a stent belongs.
     """
 
     name: str
@@ -95,7 +95,7 @@ class Phantom:
 
     @property
     def faces(self) -> NamedFaces:
-        """The ids with names: a cap has that of the vessel that it closes."""
+        """The face ids with names: a cap has the name of the vessel that it closes."""
         names = {
             opening.face_id: opening.name.removesuffix(" inlet").removesuffix(" outlet")
             for opening in self.openings
@@ -114,14 +114,14 @@ def assembled(
     openings: Sequence[TrueOpening],
     throat: float | None = None,
 ) -> Phantom:
-    """A phantom with its centerline, whose radii are those of swept tubes, and its throat.
+    """A phantom with its throat and with its centerline, whose radii are those of swept tubes.
 
     Parameters
     ----------
     patch : FacedMesh
         The closed surface.
     throat : float, optional
-        Arc length of the first vessel at which it is narrowest.
+        Arc length at which the first vessel is narrowest, mm.
     """
     return Phantom(
         name=name,
@@ -135,7 +135,7 @@ def assembled(
 
 
 def ends_of(vessel: TrueVessel, first_face_id: int, prefix: str = "") -> list[TrueOpening]:
-    """The two openings of a tube; face ids count on from the given one."""
+    """The two openings of a tube; the face ids begin with the given one."""
     stations = np.array([0.0, vessel.axis.length])
     centers, tangents = vessel.axis.point(stations), vessel.axis.tangent(stations)
     radii = vessel.radius(stations)
@@ -163,7 +163,7 @@ def _throat(vessel: TrueVessel, arc_length: float) -> TrueThroat:
 
 
 def _centerline(vessels: Sequence[TrueVessel]) -> Centerline:
-    """Points along the exact axes; a side vessel hangs on the point where it leaves the first."""
+    """The centerline along the exact axes; a side vessel begins at the point where it leaves."""
     joints = {vessel.joint for vessel in vessels if vessel.joint is not None}
     stops = sorted({0.0, vessels[0].axis.length, *joints})
     stations = [_stations(stops)]
