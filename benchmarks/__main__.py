@@ -1,6 +1,6 @@
 """Run the benchmarks one after another, print their tables, write `benchmarks/results.json`.
 
-    python -m benchmarks [--quick] [--only NAME ...] [--largest SUBDIVISIONS] [--output FILE]
+python -m benchmarks [--quick] [--only NAME ...] [--largest SUBDIVISIONS] [--output FILE]
 
 Each runs in a process of its own, so that none finds another's memory or imports. Tables are in
 markdown. With --quick (small sizes, one run) nothing is written unless --output says where; with
@@ -50,7 +50,7 @@ def run_one(name: str, quick: bool, largest: int | None) -> tuple[Found, str]:
 
 
 def earlier_results(path: Path, here: Found) -> Found:
-    """What the file holds, if it is from this machine."""
+    """The results in the file, if it is from this machine."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -91,7 +91,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def write(path: Path, here: Found, results: Found) -> None:
-    """After every benchmark, so that an interrupted run keeps what it has."""
+    """Write the file, after every benchmark, so that an interrupted run keeps its results."""
     document = {
         "machine": here,
         "date": datetime.now(timezone.utc).strftime("%Y-%m-%d"),
@@ -101,7 +101,7 @@ def write(path: Path, here: Found, results: Found) -> None:
 
 
 def rounded(value: object) -> object:
-    """Five significant figures: the rest is noise."""
+    """The value with five significant figures, as the rest is noise."""
     if isinstance(value, float):
         return float(f"{value:.5g}")
     if isinstance(value, dict):

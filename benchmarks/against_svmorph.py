@@ -1,6 +1,6 @@
 """Whole deployments against svmorph 0.1.2, in one process.
 
-    python -m benchmarks.against_svmorph [--quick] [--largest SUBDIVISIONS]
+python -m benchmarks.against_svmorph [--quick] [--largest SUBDIVISIONS]
 
 Needs svmorph (extra `bench`). Its first deployment, in which it compiles, is thrown away. Then
 every round runs svmorph and each of our modes once; the table has medians and ratios of them.
@@ -17,8 +17,8 @@ from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
 
 from .common import (
-    Case,
     Found,
+    StentCase,
     aorta_case,
     duration,
     interleaved,
@@ -41,17 +41,17 @@ MODES = {
 """`exact` is the published rule, 0.1 mm Euler; `first` looks at the triangles' topology anew."""
 
 
-def touching_radius(case: Case) -> float:
+def touching_radius(case: StentCase) -> float:
     """Radius at which the stent is just short of the wall, mm."""
     return float(CapsuleChain.along(case.axis).field(case.points).distance.min()) - 0.01
 
 
-def one_of_ours(case: Case, name: str, start: float) -> Callable[[], Deployment]:
+def one_of_ours(case: StentCase, name: str, start: float) -> Callable[[], Deployment]:
     settings = MODES[name].with_changes(crimped_radius=start)
     is_first = name.endswith("first")
 
     def run() -> Deployment:
-        # Of a new surface nothing is known, neither that it is sound nor its topology.
+        # Nothing is known about a new surface, neither that it is sound nor its topology.
         surface = Surface(case.points, case.triangles) if is_first else case.surface
         deployment = Deployment(
             surface, settings.chain(case.axis), case.radius, settings, companions=case.centerline
@@ -63,7 +63,7 @@ def one_of_ours(case: Case, name: str, start: float) -> Callable[[], Deployment]
     return run
 
 
-def compared(case: Case, start: float, rounds: int) -> Found:
+def compared(case: StentCase, start: float, rounds: int) -> Found:
     """Times, ratios and the largest difference between svmorph and our exact mode."""
     exact = one_of_ours(case, "exact", start)()
     peer = SvmorphPeer(case.points, case.centerline, case.axis, start, exact.target_level)

@@ -2,8 +2,8 @@
 
 Velocities of second order, pressures of first (Taylor and Hood), Newton's method; the flow comes in
 developed. Twice as many elements both ways change the drops by less than a percent. Faster flows
-need them: at a Reynolds number of 3,160 in the throat the drop to it rises by 1.5 %, and elements
-as thick at the wall as elsewhere tell 11 % too little.
+need them: at a Reynolds number of 3,160 in the throat the drop to it rises by 1.5 %, and with
+elements as thick at the wall as elsewhere it comes out 11 % too small.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from skfem.helpers import ddot, dot, grad
 DENSITY, VISCOSITY = 1060.0, 0.004
 PASCAL_PER_MMHG = 133.322
 ACROSS = 10
-"""Elements from the axis to the wall, thinner there: so are the layers behind a throat."""
+"""Number of elements from the axis to the wall; they are thinner there, as are layers behind a
+throat."""
 
 _STEPS, _ENOUGH, _NEAR = 60, 1e-5, 0.3
 
@@ -90,7 +91,8 @@ def pressures(
         x[:free][is_inlet] = speed * (1 - (nodes[1, is_inlet] / own) ** 2)
         change = np.inf
         for _ in range(_STEPS):
-            # Newton's method is for the end: before that what is carried does not carry.
+            # Newton's method is for the end: before that the new velocity is carried by the old
+            # one.
             newton = float(change < _NEAR * speed)
             with_old = {"old": velocity.interpolate(x[:free]), "newton": newton}
             momentum = stiff + carried.assemble(velocity, **with_old)

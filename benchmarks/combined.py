@@ -1,11 +1,11 @@
 """Random stents with their options combined, judged from the surface that they leave.
 
-    python -m benchmarks.combined [--count 300] [--seed 1] [--only N]
+python -m benchmarks.combined [--count 300] [--seed 1] [--only N]
 
 Anatomies, sizes, shapes and parameters of the method are drawn at random; each stent follows from
 seed and number alone. What is certified is judged anew, by none of the certificate's code: heights
 of triangles by their corners, intersections by MeshLab, the lumen by VTK's distances and a search
-for the largest sphere. Exits 1 when one is certified and wrong, or a flaw is not told.
+for the largest sphere. Exits 1 when a stent is certified but wrong, or a flaw is not reported.
 """
 
 from __future__ import annotations
@@ -55,25 +55,25 @@ PHANTOMS = {
 ANATOMIES = (*FILES, *PHANTOMS)
 
 FLAT, SLIVER_DEG = 1e-4, 1.0
-"""Height over the longest edge, and smallest angle, that no certified triangle may newly have, or
-not without a word."""
+"""Height over the longest edge that no certified triangle may newly have, and smallest angle that
+none may have without a caution."""
 
 UNTOLD = sweep.DOUBTFUL
-"""Inscribed over prescribed diameter from which on a caution has to name it."""
+"""Inscribed over prescribed diameter below which a caution has to report it."""
 
 
 RAYS = 48
-"""Points of a ring round a stent."""
+"""Number of points of a ring round a stent."""
 
 
-class Row(NamedTuple):
-    """What became of one stent, and what an independent look at it found."""
+class CombinedRow(NamedTuple):
+    """The outcome of one stent, and the findings of an independent check."""
 
     number: int
     anatomy: str
     options: str
     outcome: str
-    """certified, failed, or why it was refused."""
+    """certified, failed, or the reason why it was refused."""
     narrowest: float = 1.0
     flat: int = 0
     slivers: int = 0
@@ -84,7 +84,7 @@ class Row(NamedTuple):
 
     @property
     def is_wrong(self) -> bool:
-        """Certified, but it should not be."""
+        """Whether it is certified but should not be."""
         bad = self.flat or self.meshlab or self.narrowest < sweep.NARROW
         return self.outcome == "certified" and bool(bad or self.motion > sweep.SPIKE)
 
@@ -100,8 +100,8 @@ def vessel(name: str) -> tuple[Surface, Centerline, Precision]:
     return read.surface, line, read.precision
 
 
-class Drawn(NamedTuple):
-    """A stent as it was drawn."""
+class DrawnStent(NamedTuple):
+    """A stent drawn at random."""
 
     words: str
     """Its options."""
@@ -109,8 +109,8 @@ class Drawn(NamedTuple):
     deployment: Deployment
 
 
-def random_deployment(seed: int, number: int) -> Drawn:
-    """A stent with its options, of seed and number alone; `InputError` for some."""
+def random_deployment(seed: int, number: int) -> DrawnStent:
+    """A stent with its options, determined by seed and number alone; `InputError` for some."""
     rng = np.random.default_rng([seed, number])
     surface, line, precision = vessel(ANATOMIES[number % len(ANATOMIES)])
     leaf = line.leaves[rng.integers(len(line.leaves))]
@@ -142,7 +142,7 @@ def random_deployment(seed: int, number: int) -> Drawn:
     deployment = Deployment(
         surface, chain, stent.widest_diameter / 2, settings, precision=precision
     )
-    return Drawn(words, axis, deployment)
+    return DrawnStent(words, axis, deployment)
 
 
 def _shape(kind: str, rng: np.random.Generator, radius: float, length: float) -> dict[str, Any]:
@@ -161,17 +161,17 @@ def _shape(kind: str, rng: np.random.Generator, radius: float, length: float) ->
     return {"shape": shape}
 
 
-def judged(seed: int, number: int) -> Row:
+def judged(seed: int, number: int) -> CombinedRow:
     began, name = time.perf_counter(), ANATOMIES[number % len(ANATOMIES)]
     try:
         drawn = random_deployment(seed, number)
         result = drawn.deployment.result
     except (InputError, DeploymentError) as error:
-        return Row(number, name, "", str(error)[:70])
+        return CombinedRow(number, name, "", str(error)[:70])
     certificate, radius = result.certificate, drawn.deployment.radius
     assert certificate is not None
     before, line, precision = vessel(name)
-    where = sweep.Vessel(before, line, precision)
+    where = sweep.SweepVessel(before, line, precision)
     stored, native = (
         sweep.stored_points(surface.points, where) / precision.scale
         for surface in (result.surface, before)
@@ -186,11 +186,11 @@ def judged(seed: int, number: int) -> Row:
     nodes, narrowest = drawn.axis.line.resampled(1.0).points, 1.0
     if certificate.lumen:
         narrowest = sweep.narrowest(before, stored, nodes, _prescribed(drawn.axis, nodes, radius))
-    told = {one.kind for part in (certificate, *certificate.lumen) for one in part.cautions()}
-    untold = ["slivers"] if slivers.any() and "new-slivers" not in told else []
-    if certificate.passed and narrowest < UNTOLD and "narrower" not in told:
+    reported = {one.kind for part in (certificate, *certificate.lumen) for one in part.cautions()}
+    untold = ["slivers"] if slivers.any() and "new-slivers" not in reported else []
+    if certificate.passed and narrowest < UNTOLD and "narrower" not in reported:
         untold.append("narrower")
-    return Row(
+    return CombinedRow(
         number,
         name,
         drawn.words,
@@ -221,7 +221,8 @@ def _quality(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.
 def _prescribed(axis: StentAxis, nodes: np.ndarray, radius: float) -> np.ndarray:
     """Radius of the largest sphere inside of a stent round each of some stations, mm.
 
-    By rings of points round the axis, but those that lie inside of it, as in a tight bend.
+    It is measured to rings of points round the axis, without points inside of the stent, as in a
+    tight bend.
     """
     if axis.profile is None:
         return np.full(len(nodes), radius)
@@ -245,7 +246,7 @@ def _prescribed(axis: StentAxis, nodes: np.ndarray, radius: float) -> np.ndarray
     return inside
 
 
-def summary(rows: list[Row]) -> str:
+def summary(rows: list[CombinedRow]) -> str:
     heads = ("stents", "refused", "certified", "failed", "wrong", "untold", "flat*", "slivers*")
     lines = [f"{'anatomy':14}" + "".join(f"{head:>10}" for head in heads) + "  narrowest*"]
     for name in (*ANATOMIES, "all"):

@@ -1,4 +1,4 @@
-"""What the benchmarks share: vessels, stents, timing, tables and the description of the machine."""
+"""Common parts of the benchmarks: vessels, stents, timing, tables, description of the machine."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from SDFStentLib.geometry import Surface
 from .sweep import DATA_FOLDER, leaves_by_place, vessel
 
 AORTA_TRIANGLES = 18_584
-"""Of the aorto-iliac model as it is; every linear subdivision has four times as many."""
+"""Number of triangles of the aorto-iliac model; each linear subdivision has four times as many."""
 
 Found = dict[str, Any]
 
 
-class Case(NamedTuple):
+class StentCase(NamedTuple):
     """A stent in a vessel; the centerline is dragged along."""
 
     name: str
@@ -44,18 +44,18 @@ class Case(NamedTuple):
         return self.surface.triangles
 
 
-def anatomy_case(name: str, start: float, length: float, radius: float) -> Case:
+def anatomy_case(name: str, start: float, length: float, radius: float) -> StentCase:
     """A stent over a range of arc length, mm, of the path to an anatomy's first leaf."""
     made = vessel(name)
     line = made.centerline
     path = line.path(line.points[line.roots[0]], line.points[leaves_by_place(line)[0]])
-    return Case(
+    return StentCase(
         name, made.surface, path.line.cut(start, start + length).points, radius, path.points
     )
 
 
 @cache
-def aorta_case(subdivisions: int = 0) -> Case:
+def aorta_case(subdivisions: int = 0) -> StentCase:
     """36 mm x 24 mm in the aorto-iliac model, across its bifurcation at 212 mm."""
     if subdivisions:
         case = aorta_case(subdivisions - 1)
@@ -63,7 +63,7 @@ def aorta_case(subdivisions: int = 0) -> Case:
     return anatomy_case("aorta_iliac", 200.0, 36.0, 12.0)
 
 
-def pulmonary_case() -> Case:
+def pulmonary_case() -> StentCase:
     """25 mm x 22 mm across the bifurcation of the pulmonary artery (at 16 mm), 1.2 x the lumen."""
     return anatomy_case("pulmonary", 8.0, 25.0, 11.0)
 
@@ -100,14 +100,14 @@ def markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Three figures, in ms below a second."""
+    """A time with three figures, in ms below a second."""
     if seconds >= 0.9995:
         return f"{seconds:.3g} s"
     return f"{1e3 * seconds:.3g} ms"
 
 
 def machine() -> Found:
-    """Where a result comes from."""
+    """The machine that a result comes from."""
     return {
         "cpu": _cpu_model(),
         "cores": os.cpu_count(),
@@ -123,7 +123,7 @@ def machine() -> Found:
 
 
 def load_average() -> float | None:
-    """Processes that wanted a core during the last minute, where the system tells."""
+    """Number of processes that wanted a core during the last minute, if the system reports it."""
     return round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None
 
 
@@ -181,5 +181,5 @@ def run_alone(
 
 
 def progress(text: str) -> None:
-    """What is going on, apart from the tables."""
+    """Print what is going on, apart from the tables."""
     print(text, file=sys.stderr, flush=True)

@@ -1,9 +1,9 @@
-"""Pressures of the network against the Navier-Stokes equations, and how fast they are told.
+"""Pressures of the network against the Navier-Stokes equations, and the time that they take.
 
-    python -m benchmarks.flow [--quick]
+python -m benchmarks.flow [--quick]
 
 Stenosed tubes (6 mm, a raised cosine of 16 mm): against an axisymmetric reference that is solved
-here where scikit-fem is installed. The arch and the patient: against what was solved once.
+here where scikit-fem is installed. The arch and the patient: against values that were solved once.
 """
 
 from __future__ import annotations
@@ -26,14 +26,15 @@ TUBES = {0.5: (5.0, 10.0), 0.6: (5.0, 10.0), 0.7: (2.0, 5.0)}
 """Flows, mL/s, by narrowing; none of them helped to choose a constant."""
 
 HALF, BEYOND, FINEST = 11.0, 600.0, 0.3
-"""mm: of the part that is looked at, where pressure has recovered, and of the elements."""
+"""Half the measured part, distance at which pressure has recovered, and finest element, mm."""
 
 SOLVED = {
     "arch with coarctation, 30 mL/s: static over the stented length": 4.08,
     "left pulmonary artery, 8.34 mL/s: total over its stent, with what its jet loses": 6.60,
     "the same with a stent of 6.0 mm, at the same flow: total over its ends": 0.71,
 }
-"""mmHg: the arch and the artery as docs/flow.md has them, all by finer methods than the network."""
+"""Drops, mmHg, of the arch and the artery as docs/flow.md has them, by finer methods than the
+network."""
 
 
 def tube_rows(depth: float, flows: tuple[float, ...]) -> list[Found]:
@@ -53,7 +54,7 @@ def tube_rows(depth: float, flows: tuple[float, ...]) -> list[Found]:
     rows = []
     for flow, pressure in zip(flows, solved, strict=True):
         ends = np.interp([middle - HALF, middle + HALF + BEYOND], along, pressure)
-        # What the healthy vessel behind costs anyway is not the narrowing's.
+        # The drop of the healthy vessel behind is not that of the narrowing.
         healthy = 8 * VISCOSITY * 1e-6 * flow / (np.pi * 3e-3**4) * 1e-3 * BEYOND / 133.322
         reference = float(ends[0] - ends[1] - healthy)
         answer = FlowModel(channels, known_flow(flow)).answer(None, [Part("throat", line)])
@@ -64,7 +65,7 @@ def tube_rows(depth: float, flows: tuple[float, ...]) -> list[Found]:
 
 
 def patient() -> tuple[list[tuple[float, ...]], float]:
-    """Drops in the left artery before and after, and ms of the processor that they take."""
+    """Drops in the left artery before and after, and the processor time of an answer, ms."""
     files = (DATA_FOLDER / f"su0243_{one}_mm.vtp" for one in ("surface", "centerline"))
     vessel = read_input_files(*map(str, files), "mm").vessel
     known = Known(2500 / 60, inlet=38.0, wedge=10.0, split_right=0.8)
@@ -105,8 +106,8 @@ def measured(quick: bool, _largest: int | None = None) -> Found:
     )
     progress("patient")
     drops, ms = patient()
-    told = [answer.before["mean"].drops[0].maximal, *drops]
-    for (name, reference), drop in zip(SOLVED.items(), told, strict=True):
+    found = [answer.before["mean"].drops[0].maximal, *drops]
+    for (name, reference), drop in zip(SOLVED.items(), found, strict=True):
         rows.append({"name": name, "reference": reference, "network": list(drop)})
     return {"rows": rows, "ms": ms}
 

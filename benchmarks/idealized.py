@@ -1,12 +1,12 @@
-"""Idealized tubes, as everybody tries them first: nobody refused, every narrowing told once.
+"""Idealized tubes, as everybody tries them first: none refused, every narrowing reported once.
 
-    python -m benchmarks.idealized [--count 1000] [--seed S] [--only N] [--quick] [--json FILE]
+python -m benchmarks.idealized [--count 1000] [--seed S] [--only N] [--quick] [--json FILE]
 
 Along an axis, in a plane, along arcs and sines, oblique; of 16 to 64 sides; capped by fans or open;
-narrowed by 40 to 85 %. Each follows from seed and number alone, and the seed is drawn anew where
-none is given. Degrees are held against the largest empty spheres by VTK's distances from the
-facets. Exits 1 when a tube is refused, a narrowing missed or told twice, or a degree off by more
-than `NEAR` points.
+narrowed by 40 to 85 %. Each follows from seed and number alone, and a new seed is drawn if none is
+given. Degrees are held against the largest empty spheres by VTK's distances from the facets. Exits
+1 when a tube is refused, a narrowing missed or reported twice, or a degree off by more than `NEAR`
+points.
 """
 
 from __future__ import annotations
@@ -29,43 +29,45 @@ from .common import Found, markdown, progress
 from .judges import widest_spheres
 
 NEAR = 3.0
-"""Points of percent by which a degree may be off."""
+"""Largest error of a degree, percentage points."""
 
 WAYS = ("axis", "plane", "arc", "sine", "oblique")
 
 _TAIL = 3.0
-"""A narrowing is gone so many of its widths from its middle: a Gauss bell is 1e-4 there."""
+"""Distance from the middle of a narrowing, in its widths, at which it is gone: a Gauss bell is
+1e-4."""
 
 _WIDEST = 2.0
-"""Diameters of a bell's width, at most: what is narrowed so gradually is healthy again where the
+"""Largest width of a bell, in diameters: vessel narrowed that gradually is healthy again where the
 library still looks for healthy vessel (`vessel.plateaus.REFERENCE_REACH`)."""
 
 
-class Narrowing(NamedTuple):
-    """Of a tube: `at` from its begin and `width`, in mm, and the share of the radius it takes."""
+class TubeNarrowing(NamedTuple):
+    """A narrowing of a tube: place from the beginning and width, mm, and share of
+    the radius lost."""
 
     at: float
     width: float
     depth: float
 
 
-class Tube(NamedTuple):
-    """A tube as it was drawn; lengths in mm."""
+class DrawnTube(NamedTuple):
+    """A tube drawn at random; lengths in mm."""
 
     words: str
     axis: np.ndarray
-    """(n, 3) the middles of its rings,"""
+    """(n, 3) middles of its rings."""
     along: np.ndarray
-    """(n,) how far along it they are,"""
+    """(n,) arc lengths of these middles."""
     points: np.ndarray
     triangles: np.ndarray
     is_cap: np.ndarray
-    """(m,) whether a triangle is of a cap."""
+    """(m,) whether each triangle belongs to a cap."""
     line: np.ndarray
-    """(k, 3) of its centerline, from end to end,"""
+    """(k, 3) points of its centerline, from end to end."""
     line_radius: np.ndarray
-    """(k,) NaN where the file has none."""
-    narrowings: tuple[Narrowing, ...]
+    """(k,) radii of the centerline; NaN where the file has none."""
+    narrowings: tuple[TubeNarrowing, ...]
 
     @property
     def surface(self) -> Surface:
@@ -78,7 +80,8 @@ class Tube(NamedTuple):
         )
 
     def degrees(self) -> list[float]:
-        """Of the facets, %: the largest sphere at the throat against those beyond both tails."""
+        """Degrees of the facets, %: the largest sphere at each throat against those beyond both
+        tails."""
         wall, found = self.triangles[~self.is_cap], []
         for one in self.narrowings:
             step = 0.1 * one.width
@@ -96,8 +99,8 @@ class Tube(NamedTuple):
         return np.stack([np.interp(along, self.along, column) for column in self.axis.T], axis=1)
 
 
-def random_tube(seed: int, number: int) -> Tube:
-    """The tube of a seed and a number; every way is as frequent."""
+def random_tube(seed: int, number: int) -> DrawnTube:
+    """The tube of a seed and a number; every kind of axis is equally frequent."""
     rng = np.random.default_rng([seed, number])
     way = WAYS[number % len(WAYS)]
     radius = float(rng.choice([2.5, rng.uniform(1.6, 6.0)]))
@@ -119,17 +122,21 @@ def random_tube(seed: int, number: int) -> Tube:
     degrees = " and ".join(f"{100 * one.depth:.0f} % at {one.at:.1f} mm" for one in narrowings)
     ends = "capped" if is_capped else "open"
     words = f"{way}, {sides} sides, {ends}, {2 * radius:.1f} x {along[-1]:.0f} mm, {degrees}"
-    return Tube(words, axis, along, points, triangles, is_cap, axis[kept], line_radius, narrowings)
+    return DrawnTube(
+        words, axis, along, points, triangles, is_cap, axis[kept], line_radius, narrowings
+    )
 
 
 def _some(count: int, rng: np.random.Generator) -> np.ndarray:
-    """A part of the numbers below `count`, at like distances; the first and the last among them."""
+    """Evenly spaced numbers below `count`, with the first and the last."""
     every = int(rng.integers(2, 4))
     return np.unique(np.r_[0:count:every, count - 1])
 
 
-def _narrowings(length: float, radius: float, rng: np.random.Generator) -> tuple[Narrowing, ...]:
-    """One, or two with healthy vessel between and beyond them."""
+def _narrowings(
+    length: float, radius: float, rng: np.random.Generator
+) -> tuple[TubeNarrowing, ...]:
+    """One narrowing, or two with healthy vessel between and beyond them."""
     count = 2 if length > 20 * radius and rng.random() < 0.3 else 1
     room = length / count
     found = []
@@ -138,14 +145,14 @@ def _narrowings(length: float, radius: float, rng: np.random.Generator) -> tuple
         free = min(at - number * room, (number + 1) * room - at) - 1.5 * radius
         widest = np.clip(free / _TAIL, radius, _WIDEST * 2 * radius)
         width = rng.uniform(0.8 * radius, widest)
-        found.append(Narrowing(float(at), float(width), float(rng.uniform(0.4, 0.85))))
+        found.append(TubeNarrowing(float(at), float(width), float(rng.uniform(0.4, 0.85))))
     return tuple(found)
 
 
 def _axis(
     way: str, length: float, radius: float, step: float, rng: np.random.Generator
 ) -> np.ndarray:
-    """Points (n, 3) about `step` mm apart; bends are wider than the tube by half."""
+    """Points (n, 3) of an axis, about `step` mm apart; bends are wider than the tube by half."""
     at = np.linspace(0, length, max(round(length / step), 40) + 1)
     turn = np.eye(3)[rng.permutation(3)] * rng.choice([-1.0, 1.0], 3)
     if way == "plane":
@@ -170,7 +177,7 @@ def _axis(
 def _tube(
     axis: np.ndarray, radius: np.ndarray, sides: int, is_capped: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points, triangles and which of them are caps: rings across the axis, fans over its ends."""
+    """Points, triangles and whether each is of a cap: rings across the axis, fans over its ends."""
     ways = np.gradient(axis, axis=0)
     ways /= np.linalg.norm(ways, axis=1)[:, None]
     first = np.eye(3)[np.abs(ways[0]).argmin()]
@@ -199,22 +206,22 @@ def _tube(
     return np.vstack([points, axis[[0, -1]]]), np.concatenate([triangles, *caps]), is_cap
 
 
-class Row(NamedTuple):
-    """What was said of one tube."""
+class TubeRow(NamedTuple):
+    """The findings about one tube."""
 
     number: int
     words: str
     refused: str
-    """In which words; empty where it was taken."""
+    """Words of the refusal; empty if it was accepted."""
     true: tuple[float, ...]
     found: tuple[float, ...]
-    """Degrees in the order along the tube, %: as they are, and as they are told."""
+    """Degrees in the order along the tube, %: as they are, and as they are reported."""
     is_placed: bool
-    """Whether every one is told where it is."""
+    """Whether every narrowing is reported at its place."""
 
     @property
     def off(self) -> float:
-        """Largest difference, points of percent; infinite where not each is told once."""
+        """Largest error, percentage points; infinite unless each narrowing is reported once."""
         if self.refused or len(self.true) != len(self.found) or not self.is_placed:
             return float("inf")
         return float(np.abs(np.subtract(self.true, self.found)).max())
@@ -224,7 +231,7 @@ class Row(NamedTuple):
         return not self.off <= NEAR
 
 
-def judged(seed: int, number: int) -> Row:
+def judged(seed: int, number: int) -> TubeRow:
     """A tube read as its files would be, its lesions found, and held against its facets."""
     tube = random_tube(seed, number)
     true = tuple(tube.degrees())
@@ -233,7 +240,7 @@ def judged(seed: int, number: int) -> Row:
         cautions = check_same_space(surface, centerline.points)
         lesions = find_lesions(surface, centerline)
     except InputError as error:
-        return Row(number, tube.words, str(error), true, (), False)
+        return TubeRow(number, tube.words, str(error), true, (), False)
     along = [
         float(tube.along[np.linalg.norm(tube.axis - one.point, axis=1).argmin()]) for one in lesions
     ]
@@ -242,20 +249,20 @@ def judged(seed: int, number: int) -> Row:
     is_placed = not cautions and len(found) == len(true)
     for one, at in zip(tube.narrowings, np.sort(along), strict=False):
         is_placed &= abs(at - one.at) < one.width
-    return Row(number, tube.words, "", true, found, is_placed)
+    return TubeRow(number, tube.words, "", true, found, is_placed)
 
 
-def summary(rows: list[Row]) -> Found:
-    """What `table` tells, and what is wrong."""
-    told = [row for row in rows if np.isfinite(row.off)]
+def summary(rows: list[TubeRow]) -> Found:
+    """The numbers of `table`, and the tubes that are wrong."""
+    found = [row for row in rows if np.isfinite(row.off)]
     return {
         "tubes": len(rows),
         "narrowings": sum(len(row.true) for row in rows),
         "refused": sum(bool(row.refused) for row in rows),
         "missed": sum(not row.refused and not np.isfinite(row.off) for row in rows),
         "apart": sum(NEAR < row.off < np.inf for row in rows),
-        "median": float(np.median([row.off for row in told])) if told else float("nan"),
-        "most": max((row.off for row in told), default=float("nan")),
+        "median": float(np.median([row.off for row in found])) if found else float("nan"),
+        "most": max((row.off for row in found), default=float("nan")),
         "wrong": [[str(value) for value in row] for row in rows if row.is_wrong],
     }
 

@@ -1,4 +1,4 @@
-"""Verdicts on a surface from programs that others wrote: MeshLab, TetGen and VTK's distances."""
+"""Verdicts on a surface by programs of others: MeshLab, TetGen and VTK's distances."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 
 class JudgeError(RuntimeError):
-    """What TetGen has to complain."""
+    """An error or a changed surface of TetGen."""
 
 
 def meshlab_faces(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Self-intersecting faces as MeshLab finds them."""
+    """Self-intersecting faces that MeshLab finds."""
     import pymeshlab
 
     meshes = pymeshlab.MeshSet()
@@ -22,7 +22,7 @@ def meshlab_faces(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def tetrahedra(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Tetrahedra (t, 4) inside, the surface kept as for CFD; `JudgeError` where that fails."""
+    """Tetrahedra (t, 4) inside, with the surface kept as for CFD; `JudgeError` if that fails."""
     import tetgen
 
     try:

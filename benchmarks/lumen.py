@@ -1,9 +1,9 @@
 """The lumen that 6.0 mm stents leave in finely meshed phantoms.
 
-    python -m benchmarks.lumen [--quick]
+python -m benchmarks.lumen [--quick]
 
 Inscribed diameter (largest sphere that fits, free to move in the cross-section) at every
-millimetre of the stent, both ends included.
+millimeter of the stent, both ends included.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MODES = {
 
 
 def fine_phantoms(edge_length: float) -> Iterator[tuple[str, Phantom, float]]:
-    """Name, vessel, and where the stent begins, mm."""
+    """Name, vessel, and beginning of the stent, mm."""
     made = phantoms.stenosed_tube(2.0, 1.2, 40, edge_length=edge_length)
     yield "straight, stenosed", made, 12.0
     yield "bend of radius 30", phantoms.bent_tube(2.0, 30, 60, edge_length=edge_length), 12.0
@@ -43,7 +43,7 @@ def fine_phantoms(edge_length: float) -> Iterator[tuple[str, Phantom, float]]:
 def diameters(
     surface: Surface, axis: np.ndarray, radius: float, settings: DeploymentSettings
 ) -> Found:
-    """Of the lumen after a deployment, mm."""
+    """Diameters of the lumen after a deployment, mm."""
     deployment = Deployment(surface, settings.chain(axis), radius, settings)
     after = deployment.result.points
     inscribed = 2 * inscribed_spheres(after, surface.triangles, deployment.chain.nodes).radii

@@ -1,11 +1,11 @@
-"""Whether the tests notice faults: the library with one place changed, again and again.
+"""Whether the tests notice faults: the library with one place changed, over and over.
 
-    pytest -m "not bench" --cov=SDFStentLib --cov-context=test       (pytest-cov; writes .coverage)
-    python -m benchmarks.mutants .coverage [--count 40] [--seed 1] [--seconds 300]
+pytest -m "not bench" --cov=SDFStentLib --cov-context=test       (pytest-cov; writes .coverage)
+python -m benchmarks.mutants .coverage [--count 40] [--seed 1] [--seconds 300]
 
 A mutant has an operator, a comparison, a number or a return changed. It runs in a copy of the tree,
-with the tests that have been at its line, those first that see the least of the library. The same
-seed takes the same mutants as long as their lines stay as they are, whatever else changes.
+with the tests that have run its line, beginning with those that run the least of the library. The
+same seed takes the same mutants as long as their lines stay as they are, whatever else changes.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ class Mutant(NamedTuple):
     is_global: bool  # run with the import, for all tests that have been in the file
 
     def rank(self, seed: int) -> bytes:
-        """Its place in a random order that does not depend on where the line is."""
+        """Its rank in a random order that does not depend on where the line is."""
         return sha256(f"{seed} {self.path} {self.old} {self.around}".encode()).digest()
 
 
 def changed(node: ast.AST) -> ast.AST | None:
-    """The node with its fault, none where it has nothing to change."""
+    """The node with a fault, or None if it has nothing to change."""
     made = copy.deepcopy(node)
     if isinstance(made, ast.BinOp | ast.BoolOp) and type(made.op) in SWAPPED:
         made.op = SWAPPED[type(made.op)]()
@@ -69,7 +69,7 @@ def changed(node: ast.AST) -> ast.AST | None:
 
 
 def mutants_of(path: Path) -> Iterator[Mutant]:
-    """All of a file."""
+    """All mutants of a file."""
     source = path.read_bytes()
     starts = [0, *accumulate(map(len, source.splitlines(keepends=True)))]
     for statement, node in ((x, y) for x in ast.parse(source).body for y in ast.walk(x)):
@@ -88,7 +88,7 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
 
 
 def tests_by_line(name: str) -> dict[str, dict[int, set[str]]]:
-    """The tests that have been at each line, by file of the library."""
+    """The tests that have run each line, by file of the library."""
     data = CoverageData(name)
     data.read()
     return {
@@ -101,7 +101,7 @@ def tests_by_line(name: str) -> dict[str, dict[int, set[str]]]:
 
 
 def verdict(tree: Path, mutant: Mutant, tests: list[str], seconds: float) -> str:
-    """What the tests say of it in a copy of the tree, which is whole again afterwards."""
+    """The verdict of the tests on a mutant in a copy of the tree, which is restored afterwards."""
     place, end = tree / mutant.path, time.monotonic() + seconds
     source = place.read_bytes()
     place.write_bytes(source[: mutant.first] + mutant.new.encode() + source[mutant.last :])

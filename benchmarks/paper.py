@@ -1,9 +1,9 @@
 """The comparison of the SDFStent paper: a 6.0 mm stent in a patient's left pulmonary artery.
 
-    python -m benchmarks.paper [--quick]
+python -m benchmarks.paper [--quick]
 
-The stent lies where the diameters before it are those that the paper tells. Its values for XPBD, RK
-and morphMan are told beside ours as published; svmorph runs where it is installed.
+The stent lies where the diameters before it are those of the paper. Its published values for XPBD,
+RK and morphMan are listed beside ours; svmorph runs where it is installed.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import inscribed_spheres
 
-from .common import Case, Found, duration, markdown, progress, run_alone, seconds_of
+from .common import Found, StentCase, duration, markdown, progress, run_alone, seconds_of
 from .sweep import DATA_FOLDER
 
 DIAMETER, START, LENGTH, CRIMPED = 6.0, 43.0, 24.0, 0.4
 TOWARD = (29.5, -91.9, -52.3)
-"""Beside the outlet to which the path leads, mm."""
+"""Place beside the outlet to which the path leads, mm."""
 
 PUBLISHED = {
     "before": (1.96, 3.34, 2.56, 0.44, None),
@@ -40,13 +40,15 @@ MODES = {
 }
 
 
-def the_case() -> Case:
+def the_case() -> StentCase:
     surface = read_surface(DATA_FOLDER / "su0243_surface_mm.vtp").surface
     line = read_centerline(DATA_FOLDER / "su0243_centerline_mm.vtp")
     leaves = line.points[line.leaves]
     leaf = leaves[np.linalg.norm(leaves - TOWARD, axis=1).argmin()]
     path = line.path(line.points[line.roots[0]], leaf).points
-    return Case("su0243", surface, Line(path).cut(START, START + LENGTH).points, DIAMETER / 2, path)
+    return StentCase(
+        "su0243", surface, Line(path).cut(START, START + LENGTH).points, DIAMETER / 2, path
+    )
 
 
 def measured(quick: bool, _largest: int | None = None) -> Found:
@@ -54,13 +56,13 @@ def measured(quick: bool, _largest: int | None = None) -> Found:
     stations = Line(case.axis).resampled(1.0).points
     rows = []
 
-    def told(name: str, points: np.ndarray, seconds: float | None) -> None:
+    def added(name: str, points: np.ndarray, seconds: float | None) -> None:
         radii = inscribed_spheres(points, case.triangles, stations, Line(stations).directions).radii
         d = 2 * radii
         values = (d.min(), d.max(), d.mean(), d.std())
         rows.append({"name": name, "mm": [float(x) for x in values], "seconds": seconds})
 
-    told("before", case.points, None)
+    added("before", case.points, None)
     for name, settings in MODES.items():
         progress(name)
         chain = settings.chain(case.axis)
@@ -68,7 +70,7 @@ def measured(quick: bool, _largest: int | None = None) -> Found:
             case.surface, chain, case.radius, settings, companions=case.centerline
         )
         seconds = seconds_of(lambda deployment=deployment: deployment.result)
-        told(name, deployment.result.points, seconds)
+        added(name, deployment.result.points, seconds)
     if not quick and importlib.util.find_spec("svmorph"):
         from .svmorph_peer import SvmorphPeer
 
@@ -77,7 +79,7 @@ def measured(quick: bool, _largest: int | None = None) -> Found:
             case.points, case.centerline, case.axis, CRIMPED, deployment.target_level
         )
         peer.deployed()
-        told("svmorph 0.1.2, warm", peer.deployed(), seconds_of(peer.deployed))
+        added("svmorph 0.1.2, warm", peer.deployed(), seconds_of(peer.deployed))
     return {"rows": rows}
 
 

@@ -1,7 +1,7 @@
-"""The same answers: what the installed command writes, kept, and compared with what was kept.
+"""The same answers: the output of the installed command, kept and compared with an earlier one.
 
-    python -m benchmarks.same_answers FOLDER                    keep (two cores: 3.5 minutes)
-    python -m benchmarks.same_answers OLD NEW [--but KEY ...]   compare
+python -m benchmarks.same_answers FOLDER                    keep (two cores: 3.5 minutes) python -m
+benchmarks.same_answers OLD NEW [--but KEY ...]   compare
 
 Points, cells and arrays have to be the same bit for bit; tables, sentences (key `said`) and JSON
 the same but for times and for keys that are named. Pages and pictures are not looked at.
@@ -80,7 +80,7 @@ LATER = {
     "devices": "devices --json",
     "demo": "demo -o o",
 }
-"""With the branching artery, once the others are done."""
+"""Runs with the branching artery, once the others are done."""
 SWEEP = {
     **{"schema": "sdfstent-sweep", "version": 1},
     "plan": "../branching_pulmonary_artery-deploy/first.json",
@@ -92,7 +92,7 @@ VARY = {"created", "timings", "seconds", "sdfstent_version", "process", "started
 
 
 def runs() -> tuple[dict[str, str], dict[str, str]]:
-    """Folder and words of every run: those by themselves, and those that need files of others."""
+    """Folder and words of every run: independent ones, and those that need files of others."""
     first, later = {}, {}
     for vessel, (units, *places, diameter) in PLACES.items():
         parts = [DATA_FOLDER / f"{vessel}_{part}_{units}.vtp" for part in ("surface", "centerline")]
@@ -111,7 +111,7 @@ def runs() -> tuple[dict[str, str], dict[str, str]]:
 
 
 def write_inputs(folder: Path) -> None:
-    """Surfaces with ids of faces, and centerlines as VMTK gives them."""
+    """Write surfaces with face ids, and centerlines as VMTK gives them."""
     folder.mkdir(parents=True)
     (folder / "sweep.json").write_text(json.dumps(SWEEP), encoding="utf-8")
     for vessel in filter(partial(hasattr, phantoms), PLACES):
@@ -145,7 +145,7 @@ def keep(folder: Path) -> None:
 
 
 def content(path: Path, top: Path) -> Any:
-    """What of a file has to be the same."""
+    """The contents of a file that have to be the same."""
     if path.suffix == ".json":
         return json.loads(path.read_text(encoding="utf-8").replace(str(top), ""))
     if path.suffix != ".vtp":
@@ -164,7 +164,7 @@ def content(path: Path, top: Path) -> Any:
 
 
 def differences(old: Any, new: Any, where: str, but: set[str]) -> list[str]:
-    """Where two contents are not the same."""
+    """Places where two contents differ."""
     if isinstance(old, dict) and isinstance(new, dict):
         keys = {key for key in old | new if key not in but and not key.endswith("_s")}
         pairs = [(old.get(key), new.get(key), f"{where} {key}") for key in sorted(keys)]
@@ -176,7 +176,7 @@ def differences(old: Any, new: Any, where: str, but: set[str]) -> list[str]:
 
 
 def compare(tops: list[Path], but: set[str]) -> list[str]:
-    """Files that are in one folder only, and places in files that are not the same."""
+    """Files that are in one folder only, and places in files that differ."""
     found = []
     for name in sorted({path.relative_to(top) for top in tops for path in top.rglob("*.*")}):
         if all((top / name).is_file() for top in tops):

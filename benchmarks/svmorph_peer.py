@@ -1,4 +1,4 @@
-"""Drive svmorph 0.1.2 (`pip install svmorph==0.1.2`) through a deployment without its window."""
+"""Runs svmorph 0.1.2 (`pip install svmorph==0.1.2`) through a deployment without its window."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Random stents in the real anatomies: size of the lumen, folds, and whether it can be meshed.
 
-    python benchmarks/sweep.py --count 60 --seed 1 --ratio 1.05 1.6 [--tetgen] [--anatomy NAME]
+python benchmarks/sweep.py --count 60 --seed 1 --ratio 1.05 1.6 [--tetgen] [--anatomy NAME]
 
 Needs `pymeshlab` and, with --tetgen, `tetgen` (both from the extra `test`), and the folder of the
 anatomies (`SDFSTENT_DATA`, else ../shared/data). Every stent follows from seed and number alone:
@@ -52,29 +52,29 @@ END_CLEARANCE = 5.0
 """Distance of a stent from the ends of the centerline, mm, but for hard stents."""
 
 STRAIGHTENING = (0.0, 0.5, 1.0)
-"""Of hard stents, in turn at random; every third of them ends on a cap."""
+"""Straightening of hard stents, drawn at random; every third of these ends on a cap."""
 
 NARROW = 0.97
 """Inscribed over prescribed diameter below which nothing may be certified."""
 
 DOUBTFUL = 0.98
-"""The same from which on the largest sphere near a station is searched."""
+"""Inscribed over prescribed diameter below which the largest sphere near a station is searched."""
 
 MOST_TETRAHEDRA = 2.0
-"""Over those of the untreated vessel; more would say that TetGen had to refine crumpled faces."""
+"""Most tetrahedra over those of the untreated vessel; TetGen would need more for crumpled faces."""
 
 SPIKE = 2.0
 """Motion of a point over the stent's radius that no deformation needs: facets that span 90 degrees
 take 1.4, tissue the rest."""
 
 STATION_SPACING = 2.0
-"""Of the inscribed spheres, mm."""
+"""Spacing of the inscribed spheres, mm."""
 
 WIDE = 1.002
 """Inscribed over prescribed diameter above which a station is too wide: the goal."""
 
 
-class Vessel(NamedTuple):
+class SweepVessel(NamedTuple):
     surface: Surface
     centerline: Centerline
     precision: Precision
@@ -89,15 +89,15 @@ class Vessel(NamedTuple):
 
 
 class WideStations(NamedTuple):
-    """Stations whose sphere is more than `WIDE` times the prescribed one, by what lets it be."""
+    """Numbers of stations whose sphere is more than `WIDE` times the prescribed one, by cause."""
 
     strayed: int = 0
-    """It does not hold its axis point: it is not of this lumen. None in 390 stents."""
+    """The sphere does not hold its axis point: it is not of this lumen. None in 390 stents."""
     native: int = 0
-    """As wide even in the native lumen and the stent united, nothing dragged: a stent only pushes,
-    so no other deformation could make it smaller."""
+    """The sphere is as wide even in the union of native lumen and stent, with nothing dragged: a
+    stent only pushes, so no other deformation could make it smaller."""
     dragged: int = 0
-    """Any other: wall dragged ahead, or facets pushed out too far."""
+    """Any other cause: wall dragged ahead, or facets pushed out too far."""
 
 
 class RandomStent(NamedTuple):
@@ -109,8 +109,8 @@ class RandomStent(NamedTuple):
     straightening: float = 0.0
 
 
-class Row(NamedTuple):
-    """What became of one stent."""
+class StentRow(NamedTuple):
+    """The outcome of one stent."""
 
     number: int
     anatomy: str
@@ -125,9 +125,9 @@ class Row(NamedTuple):
     wide: WideStations
     new_folds: int
     certified: bool
-    """Nothing intersects, is turned over or without area that was sound before."""
+    """No face intersects, is turned over or lacks area that was sound before."""
     meshlab: int
-    """New self-intersecting faces by MeshLab."""
+    """Number of new self-intersecting faces that MeshLab finds."""
     tetgen: str
     tetrahedra: float
     """Tetrahedra over those of the untreated vessel, where TetGen was asked."""
@@ -141,7 +141,7 @@ class Row(NamedTuple):
 
     @property
     def deceives(self) -> bool:
-        """Certified, but narrower than prescribed or with a spike."""
+        """Whether it is certified although it is narrower than prescribed or has a spike."""
         return self.certified and (self.narrowest < NARROW or self.motion > SPIKE)
 
     @property
@@ -156,15 +156,15 @@ class Row(NamedTuple):
 
 
 @cache
-def vessel(name: str, folder: Path = DATA_FOLDER) -> Vessel:
+def vessel(name: str, folder: Path = DATA_FOLDER) -> SweepVessel:
     surface_file, centerline_file, units = ANATOMIES[name]
     surface = read_surface(folder / surface_file, units=units)
     centerline = read_centerline(folder / centerline_file, units=units)
-    return Vessel(surface.surface, centerline, surface.precision)
+    return SweepVessel(surface.surface, centerline, surface.precision)
 
 
 def leaves_by_place(line: Centerline) -> list[int]:
-    """Leaves from the largest x on: a seed means the same place however points are numbered."""
+    """Leaves by falling x, so that a seed means the same place however points are numbered."""
     return sorted(line.leaves.tolist(), key=lambda leaf: tuple(line.points[leaf]), reverse=True)
 
 
@@ -177,9 +177,10 @@ def random_stent(
     *,
     hard: bool = False,
 ) -> RandomStent:
-    """Random place on a random root-to-leaf path, 10-40 mm long; size by the widest lumen there.
+    """A stent at a random place on a random root-to-leaf path, 10 to 40 mm long, sized by the
+    lumen.
 
-    A hard one is straightened, and may end on a cap.
+    The widest lumen counts. A hard stent is straightened, and may end on a cap.
     """
     rng = np.random.default_rng([seed, number])
     line = vessel(name, folder).centerline
@@ -221,14 +222,14 @@ def untreated_tetrahedra(name: str, folder: Path = DATA_FOLDER) -> int:
     return len(tetrahedra(stored_points(where.points, where), where.triangles))
 
 
-def stored_points(points: np.ndarray, where: Vessel) -> np.ndarray:
+def stored_points(points: np.ndarray, where: SweepVessel) -> np.ndarray:
     """The coordinates that a file of this vessel would hold."""
     scaled = np.asarray(points * where.precision.scale, dtype=where.precision.dtype)
     return scaled.astype(float)
 
 
 def tetgen_verdict(points: np.ndarray, name: str, folder: Path) -> tuple[str, float]:
-    """`yes` or what is wrong, and tetrahedra over those of the untreated vessel."""
+    """`yes` or the fault, and tetrahedra over those of the untreated vessel."""
     try:
         count = len(tetrahedra(points, vessel(name, folder).triangles))
     except JudgeError as error:
@@ -240,7 +241,7 @@ def tetgen_verdict(points: np.ndarray, name: str, folder: Path) -> tuple[str, fl
 def wide_stations(
     deployment: Deployment, spheres: InscribedSpheres, stations: np.ndarray
 ) -> WideStations:
-    """Why the spheres at some stations are larger than prescribed."""
+    """The causes why spheres at some stations are larger than prescribed."""
     too_wide = spheres.radii > WIDE * deployment.radius
     if not too_wide.any():
         return WideStations()
@@ -263,7 +264,7 @@ def judged(
     *,
     with_tetgen: bool,
     folder: Path = DATA_FOLDER,
-) -> Row:
+) -> StentRow:
     where = vessel(stent.anatomy, folder)
     began = time.perf_counter()
     deployment, result = deployed(stent, settings, folder)
@@ -271,7 +272,7 @@ def judged(
 
     nodes = deployment.chain.nodes
     stations = nodes[:: max(1, round(STATION_SPACING / settings.capsule_length))]
-    # A cap that counts as open, and that no stent pushes aside, is no wall of the lumen.
+    # A cap counts as open: no stent pushes it aside, and it is no wall of the lumen.
     wall = open_at_ends(where.surface, stations).triangles
     spheres = inscribed_spheres(result.points, wall, stations)
     after = spheres.radii / stent.radius
@@ -286,7 +287,7 @@ def judged(
     verdict, share = "", float("nan")
     if with_tetgen:
         verdict, share = tetgen_verdict(stored, stent.anatomy, folder)
-    return Row(
+    return StentRow(
         number=number,
         anatomy=stent.anatomy,
         length=deployment.chain.length,
@@ -310,7 +311,7 @@ def judged(
 
 
 def narrowest(before: Surface, after: np.ndarray, nodes: np.ndarray, radii: np.ndarray) -> float:
-    """Smallest inscribed over prescribed diameter, none of it by the certificate's code.
+    """Smallest inscribed over prescribed diameter, without any of the certificate's code.
 
     A cap is where the vessel was cut: faces whose points lay in one plane at an end of the axis.
 
@@ -318,7 +319,7 @@ def narrowest(before: Surface, after: np.ndarray, nodes: np.ndarray, radii: np.n
     ----------
     before : Surface
     after : (n, 3) array
-        Where its points are, mm.
+        Places of its points after the deployment, mm.
     nodes, radii : (k, 3) and (k,) arrays
         Stations of the stent's axis, and the radius that a sphere shall have there, mm.
     """
@@ -353,7 +354,7 @@ def rows(
     with_tetgen: bool = True,
     settings: DeploymentSettings | None = None,
     folder: Path = DATA_FOLDER,
-) -> Iterator[Row]:
+) -> Iterator[StentRow]:
     """Judged random stents, the anatomies in turn."""
     for number in range(count) if only is None else [only]:
         name = anatomies[number % len(anatomies)]
@@ -363,7 +364,7 @@ def rows(
         )
 
 
-def summary(found: list[Row]) -> str:
+def summary(found: list[StentRow]) -> str:
     lines = [
         f"{'anatomy':12} {'stents':>6} {'mean of means':>13} {'lowest':>7} {'highest':>7} "
         f"{'max anywhere':>12} {'> 1.002':>7} {'folds':>6} {'failed':>6} "
@@ -402,7 +403,7 @@ def summary(found: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def as_text(row: Row) -> str:
+def as_text(row: StentRow) -> str:
     return (
         f"{row.number:4} {row.anatomy:12} {row.length:5.1f} x {row.diameter:5.2f} mm "
         f"ratio {row.ratio:.2f} mean {row.mean:.4f} max {row.highest:.4f} "

@@ -11,7 +11,7 @@ from seeds import seeds
 
 sys.path.insert(0, str(PROJECT))
 
-from benchmarks.idealized import NEAR, WAYS, Narrowing, Tube, _tube, judged, of_seed, table
+from benchmarks.idealized import NEAR, WAYS, DrawnTube, TubeNarrowing, _tube, judged, of_seed, table
 from SDFStentLib.files import check_same_space
 from SDFStentLib.vessel import find_lesions
 
@@ -31,9 +31,9 @@ def a_tube(way, bell, *, capped, sides=40, line_from=0.0):
     radius = 2.5 * (1 - depth * np.exp(-(((z - 30) / width) ** 2)))
     points, triangles, is_cap = _tube(axis, radius, sides, capped)
     line = axis[round(4 * line_from) :]
-    one = Narrowing(float(np.interp(30, z, along)), width, depth)
+    one = TubeNarrowing(float(np.interp(30, z, along)), width, depth)
     known = np.full(len(line), np.nan)
-    return Tube("", axis, along, points, triangles, is_cap, line, known, (one,))
+    return DrawnTube("", axis, along, points, triangles, is_cap, line, known, (one,))
 
 
 @pytest.mark.parametrize("capped", [True, False], ids=["capped", "open"])

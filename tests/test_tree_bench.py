@@ -11,10 +11,10 @@ from child_processes import PROJECT
 sys.path.insert(0, str(PROJECT))
 
 from benchmarks.trees import treated
-from benchmarks.trees.case import Case, save
-from benchmarks.trees.judge import Told, judged
-from benchmarks.trees.layout import Tree
-from benchmarks.trees.narrowing import Narrowing, narrowed, narrowings
+from benchmarks.trees.case import TreeCase, save
+from benchmarks.trees.judge import Reported, judged
+from benchmarks.trees.layout import VesselTree
+from benchmarks.trees.narrowing import MadeNarrowing, narrowed, narrowings
 from benchmarks.trees.surface import Wall, rims_of, wall_of
 from benchmarks.trees.synthetic import random_tree
 from benchmarks.trees.truth import Spheres, truths
@@ -31,10 +31,10 @@ pytestmark = pytest.mark.bench
 WAY = np.array([0.6, 0.0, 0.8])
 
 
-def line_tree(radius, length=60.0, start=(0.0, 0.0, 0.0)) -> Tree:
+def line_tree(radius, length=60.0, start=(0.0, 0.0, 0.0)) -> VesselTree:
     """A straight vessel whose radius is a function of the arc length."""
     along = np.arange(0, length + 0.25, 0.5)
-    return Tree(np.add(start, np.outer(along, WAY)), radius(along), np.arange(len(along)) - 1)
+    return VesselTree(np.add(start, np.outer(along, WAY)), radius(along), np.arange(len(along)) - 1)
 
 
 def swept_wall(radius, length=60.0, around=90, step=0.2) -> Wall:
@@ -74,7 +74,7 @@ def seeded(healthy, shape, parts, healthy_ends):
 
     before = line_tree(healthy)
     vessel = np.arange(len(before.points))
-    one = Narrowing(shape, vessel, healthy_ends, (), factor(before.arc_length))
+    one = MadeNarrowing(shape, vessel, healthy_ends, (), factor(before.arc_length))
     after = narrowed(before, [one])
     return (
         (before, swept_wall(healthy)),
@@ -114,7 +114,7 @@ def test_a_vessel_that_ends_is_not_narrowed_there():
     """A cap was the deepest of a narrowing that was too shallow to be told: 96 %."""
     before = line_tree(constant(2.0), length=30.0)
     factor = cosine(0.1, 14.0, 25.0)(before.arc_length)
-    one = Narrowing("focal", np.arange(len(before.points)), (14.0, 25.0), (), factor)
+    one = MadeNarrowing("focal", np.arange(len(before.points)), (14.0, 25.0), (), factor)
     after = narrowed(before, [one])
     walls = [wall_of(tree, 0.4, "capped") for tree in (before, after)]
     with pytest.raises(ValueError, match="0 parts"):
@@ -174,7 +174,7 @@ def test_surfaces_are_two_manifold_and_their_ends_are_what_they_should_be(ends):
 
 
 def told(place, minimum, percent, reference=6.0, length=8.0):
-    return Told(np.asarray(place), minimum, percent, reference, length, "")
+    return Reported(np.asarray(place), minimum, percent, reference, length, "")
 
 
 @pytest.fixture(scope="module")
@@ -208,7 +208,7 @@ def test_verdicts(halved, lesions, words):
 def test_a_treatment_is_judged_by_what_is_left_in_the_surface(halved, tmp_path):
     (tree, wall), found = halved
     facts = {"number": 0, "wander": 0.0, "has_radius": True}
-    save(Case("0000", tree, wall, found, facts), tmp_path / "0000")
+    save(TreeCase("0000", tree, wall, found, facts), tmp_path / "0000")
     (one,) = treated.of_case(tmp_path / "0000")
     assert (one["failure"], one["is_certified"]) == ("", True)
     assert list(treated.sentences([one])) == []

@@ -1,4 +1,4 @@
-"""Trees with narrowings of known place and depth: are they told as they are?"""
+"""Trees with narrowings of known place and depth: are they reported as they are?"""
 
 from .bench import measured, table
 

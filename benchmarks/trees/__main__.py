@@ -1,14 +1,14 @@
-"""Narrowings of known place and depth in trees of 20 to 100 outlets: are they told as they are?
+"""Narrowings of known place and depth in trees of 20 to 100 outlets: are they reported as they
+are?
 
-    python -m benchmarks.trees [--count 125] [--first 0] [--seed 1] [--only SHAPE] [--pressed]
-                               [--jobs 2] [--save FOLDER | --cases FOLDER [--treat]] [--command]
-                               [--quick] [--json FILE]
+python -m benchmarks.trees [--count 125] [--first 0] [--seed 1] [--only SHAPE] [--pressed] [--jobs
+2] [--save FOLDER | --cases FOLDER [--treat]] [--command] [--quick] [--json FILE]
 
-A tree has up to four narrowings, every tenth none. Told as it is: once, its narrowest place within
-3 mm, its minimum within 3 %, its percent by diameter within 5 points. Every tree is made anew
-unless --cases names a folder that --save filled; with --pressed narrowings are pressed into the
-surfaces of patients instead. With --treat each narrowing is treated, and what is told of the result
-is judged. `truth.py` says how the truth is measured.
+A tree has up to four narrowings, every tenth none. One is reported as it is if once, its place
+within 3 mm, its minimum within 3 %, its percent by diameter within 5 points. Every tree is made
+anew unless --cases names a folder that --save filled; with --pressed narrowings are pressed into
+the surfaces of patients instead. With --treat each narrowing is treated, and the report of the
+result is judged. `truth.py` says how the truth is measured.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
 
 
 def cases(chosen: argparse.Namespace) -> Iterator[dict]:
-    """What is found in every case, in order."""
+    """The findings in every case, in order."""
     if chosen.cases is not None:
         work, calls = of_case, [(folder, chosen.command) for folder in saved(chosen)]
     else:
@@ -78,7 +78,7 @@ def saved(chosen: argparse.Namespace) -> list[Path]:
 
 
 def treat(chosen: argparse.Namespace) -> None:
-    """Treat the narrowings of saved cases, and say how rightly the results are told."""
+    """Treat the narrowings of saved cases, and print how correctly the results are reported."""
     done = []
     with ProcessPoolExecutor(chosen.jobs) as workers:
         for found in workers.map(treated.of_case, saved(chosen)):

@@ -19,19 +19,19 @@ from .pressed import pressed_case
 TOTAL = "all"
 
 COUNT = 125
-"""Trees of a whole run: they have some 400 narrowings."""
+"""Number of trees of a whole run: they have some 400 narrowings."""
 
 SEED = 1
 
 
 def of_case(folder: Path, by_command: bool = False) -> Found:
-    """What the product tells of a saved case, judged."""
+    """The lesions that the product reports in a saved case, judged."""
     tree, truths, facts = load(folder)
     answer = asked(folder, by_command)
-    verdicts, invented = judged(tree, read_wall(folder / "surface.vtp"), truths, answer.told)
+    verdicts, invented = judged(tree, read_wall(folder / "surface.vtp"), truths, answer.reported)
     return {
         "case": folder.name, "facts": facts, "failure": answer.failure,
-        "seconds": round(answer.seconds, 3), "told": len(answer.told), "invented": invented,
+        "seconds": round(answer.seconds, 3), "told": len(answer.reported), "invented": invented,
         "outlets": outlets_told(folder),
         "verdicts": [asdict(one) for one in verdicts],
     }  # fmt: skip
@@ -46,9 +46,9 @@ def of_number(
     by_command: bool = False,
     is_pressed: bool = False,
 ) -> Found:
-    """The same of a case that is made for it; kept in a folder of its own if `keep` says where.
+    """The same for a case that is made now; kept in a folder of its own if `keep` says where.
 
-    Made of nothing, or pressed into a patient's surface.
+    The case is synthetic, or pressed into a patient's surface.
     """
     with TemporaryDirectory() as made:
         make = pressed_case if is_pressed else made_case
@@ -59,7 +59,7 @@ def of_number(
 
 
 def sentences(found: Found) -> list[str]:
-    """What is wrong in a case."""
+    """Sentences about what is wrong in a case."""
     lines = [f"ended in an error: {found['failure']}"] if found["failure"] else []
     lines += [f"invented: {one}" for one in found["invented"]]
     if found["outlets"] != found["facts"]["outlets"]:
@@ -76,7 +76,7 @@ def sentences(found: Found) -> list[str]:
 
 
 def summary(cases: Sequence[Found]) -> Found:
-    """Rows by shape and of all; `invented` counts by the shape `NONE` in trees without one."""
+    """Rows by shape and for all; `invented` counts by the shape `NONE` in trees without one."""
     rows = []
     verdicts = [one for case in cases for one in case["verdicts"]]
     for shape in (*SHAPES, NONE, TOTAL):
@@ -131,6 +131,6 @@ def table(found: Found) -> str:
 
 
 def measured(quick: bool, largest: int | None = None) -> Found:
-    """Of the first trees, for the run of all benchmarks."""
+    """Results of the first trees, for the run of all benchmarks."""
     count = 1 if quick else 20
     return summary([of_number(SEED, n, DATA_FOLDER) for n in range(count)])

@@ -1,4 +1,4 @@
-"""A case of the bench: a tree's surface, its centerline, and what is true of its narrowings."""
+"""A case of the bench: a tree's surface, its centerline, and the truth about its narrowings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .layout import Tree, read_tree, turned, with_some_ends
+from .layout import VesselTree, read_tree, turned, with_some_ends
 from .narrowing import SHAPES, narrowed, narrowings
 from .surface import ENDS, Wall, wall_near, wall_of
 from .synthetic import random_tree
@@ -23,11 +23,11 @@ MEASURED = "pulmonary_tree_radii_cm.vtp"
 
 
 @dataclass(frozen=True)
-class Case:
-    """`lines` are numbers of the tree's points from the root to every end."""
+class TreeCase:
+    """A tree with its wall, the truth about its narrowings, and facts about how it was made."""
 
     name: str
-    tree: Tree
+    tree: VesselTree
     wall: Wall
     truths: list[Truth]
     facts: dict[str, Any]
@@ -37,7 +37,7 @@ class Case:
         return [one.shape for one in self.truths] or [NONE]
 
 
-def made_case(seed: int, number: int, data: Path, only: str | None = None) -> Case:
+def made_case(seed: int, number: int, data: Path, only: str | None = None) -> TreeCase:
     """The case of a number; every tenth, the fourth first, has no narrowing."""
     random = np.random.default_rng([seed, number])
     tree, kind = _tree(random, number, data)
@@ -61,17 +61,17 @@ def made_case(seed: int, number: int, data: Path, only: str | None = None) -> Ca
         try:
             found += truths((tree, healthy), (after, wall), one)
         except ValueError as error:
-            # It stays in the surface; what is told of it is not judged.
+            # It stays in the surface; what is reported about it is not judged.
             refused.append(str(error))
     facts = {
         "tree": kind, "ends": ends, "step": round(step, 3), "seed": seed, "number": number,
         "outlets": len(tree.leaves), "triangles": len(wall.triangles), "refused": refused,
         "wander": float(random.choice([0.0, 0.08])), "has_radius": bool(random.uniform() < 0.7),
     }  # fmt: skip
-    return Case(f"{number:04d}", after, wall, found, facts)
+    return TreeCase(f"{number:04d}", after, wall, found, facts)
 
 
-def _tree(random: np.random.Generator, number: int, data: Path) -> tuple[Tree, str]:
+def _tree(random: np.random.Generator, number: int, data: Path) -> tuple[VesselTree, str]:
     if number % 2 and (data / MEASURED).is_file():
         tree = read_tree(data / MEASURED, 1.6 if random.uniform() < 0.85 else 1.0)
         kind = "pulmonary"
@@ -85,8 +85,9 @@ def _tree(random: np.random.Generator, number: int, data: Path) -> tuple[Tree, s
     return turned(tree, random), "random"
 
 
-def save(case: Case, folder: Path) -> None:
-    """`surface.vtp`, `centerline.vtp` (a line from the inlet to every end), `truth.json`, in mm."""
+def save(case: TreeCase, folder: Path) -> None:
+    """Write `surface.vtp`, `centerline.vtp` (a line from the inlet to every end), `truth.json`, in
+    mm."""
     folder.mkdir(parents=True, exist_ok=True)
     _write(_surface(case.wall), folder / "surface.vtp")
     _write(_lines(case), folder / "centerline.vtp")
@@ -101,10 +102,10 @@ def save(case: Case, folder: Path) -> None:
     (folder / "truth.json").write_text(json.dumps(document) + "\n", encoding="utf-8")
 
 
-def load(folder: Path) -> tuple[Tree, list[Truth], dict[str, Any]]:
-    """The tree, what is true of its narrowings, and the facts of a case that was saved."""
+def load(folder: Path) -> tuple[VesselTree, list[Truth], dict[str, Any]]:
+    """The tree, the truth about its narrowings, and the facts of a saved case."""
     document = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
-    tree = Tree(
+    tree = VesselTree(
         np.array(document.pop("tree_points")),
         np.array(document.pop("tree_radius")),
         np.array(document.pop("tree_parent")),
@@ -142,8 +143,8 @@ def _surface(wall: Wall) -> Any:
     return data
 
 
-def _lines(case: Case) -> Any:
-    """Lines of one vessel lie on each other only nearly, as extracted ones do."""
+def _lines(case: TreeCase) -> Any:
+    """Lines from the root to every end; they coincide only nearly, as extracted lines do."""
     from vtk.util.numpy_support import numpy_to_vtk
 
     random = np.random.default_rng(case.facts["number"])

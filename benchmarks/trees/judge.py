@@ -1,4 +1,4 @@
-"""What the product tells of a tree's lesions, held against what is true."""
+"""Judgment of the lesions that the product reports in a tree, against the truth."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from typing import Any
 
 import numpy as np
 
-from .layout import Tree
+from .layout import VesselTree
 from .surface import Wall
 from .truth import Truth, degree_beside
 
 PLACE = 3.0
-"""A lesion's narrowest place is told rightly so near to a true one, mm."""
+"""Largest error of a lesion's narrowest place, mm."""
 
 MINIMUM = 3.0
-"""And its minimum within so many percent,"""
+"""Largest error of its minimum, percent."""
 
 PERCENT = 5.0
-"""and its degree within so many points."""
+"""Largest error of its degree, percentage points."""
 
 INVENTED = (15.0, 10.0)
-"""A lesion of so many percent is invented where no more than so many are true."""
+"""Degree from which on a lesion is invented, %, and the true degree below which it is."""
 
 FILES = ("surface", "centerline")
-"""Of a saved case, .vtp."""
+"""Names of the files of a saved case, .vtp."""
 
 _ZONE = 2.0
-"""A lesion belongs to a narrowing whose extent it is not farther beyond, mm."""
+"""Distance beyond the extent of a narrowing up to which a lesion belongs to it, mm."""
 
 
 @dataclass(frozen=True)
-class Told:
-    """A lesion as the product tells it; lengths in mm."""
+class Reported:
+    """A lesion as the product reports it; lengths in mm."""
 
     place: np.ndarray
     minimum: float
@@ -48,8 +48,8 @@ class Told:
     name: str
 
     @classmethod
-    def from_section(cls, section: Mapping[str, Any]) -> Told:
-        """From a lesion of the JSON of `sdfstent measure`."""
+    def from_section(cls, section: Mapping[str, Any]) -> Reported:
+        """The lesion of a section of the JSON of `sdfstent measure`."""
         return cls(
             np.array(section["place_mm"], dtype=float),
             float(section["minimum"]["diameter_mm"]),
@@ -62,9 +62,9 @@ class Told:
 
 @dataclass(frozen=True)
 class Answer:
-    """Lesions, time in seconds, and why there is none where the product failed."""
+    """The reported lesions, the time in seconds, and the reason if the product failed."""
 
-    told: list[Told]
+    reported: list[Reported]
     seconds: float
     failure: str = ""
 
@@ -78,7 +78,7 @@ def asked(folder: Path, by_command: bool) -> Answer:
     except Exception as error:  # whatever ends the product is counted, the bench goes on
         return Answer([], time.perf_counter() - start, f"{type(error).__name__}: {error}"[:200])
     spent = time.perf_counter() - start
-    return Answer([Told.from_section(one) for one in sections], spent)
+    return Answer([Reported.from_section(one) for one in sections], spent)
 
 
 def _of_command(surface: Path, line: Path) -> Sequence[Mapping[str, Any]]:
@@ -103,7 +103,7 @@ def _in_process(surface: Path, line: Path) -> Sequence[Mapping[str, Any]]:
 
 
 def outlets_told(folder: Path) -> int | str:
-    """How many outlets the flow's network of a saved case has, or why there is none."""
+    """Number of outlets of the flow's network of a saved case, or the reason why there is none."""
     from SDFStentLib.flow import FlowModel, known_flow
     from SDFStentLib.plan import read_input_files
 
@@ -116,8 +116,8 @@ def outlets_told(folder: Path) -> int | str:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """Of one narrowing: `words` is "as it is" or what is wrong; errors where it was found once.
+class NarrowingVerdict:
+    """The verdict on a narrowing: "as it is" or the fault, and errors if it was found once.
 
     `place` and `extent` in mm, `minimum` and `reference` in percent, `percent` in points.
     """
@@ -136,10 +136,10 @@ class Verdict:
 
 
 def judged(
-    tree: Tree, wall: Wall, truths: Sequence[Truth], told: Sequence[Told]
-) -> tuple[list[Verdict], list[str]]:
+    tree: VesselTree, wall: Wall, truths: Sequence[Truth], reported: Sequence[Reported]
+) -> tuple[list[NarrowingVerdict], list[str]]:
     """A verdict for every narrowing, and sentences about lesions that were invented."""
-    left = list(told)
+    left = list(reported)
     verdicts = []
     for truth in truths:
         mine = [one for one in left if _belongs(truth, one.place)]
@@ -159,7 +159,7 @@ def judged(
 
 
 def _belongs(truth: Truth, place: np.ndarray) -> bool:
-    """Whether a place lies about the middle of a vessel where, or beside where, it is narrowed."""
+    """Whether a place lies near the middle of a vessel where, or beside where, it is narrowed."""
     along = np.array(truth.along)
     inner = (along >= along[truth.begin] - _ZONE) & (along <= along[truth.end] + _ZONE)
     apart = np.linalg.norm(np.array(truth.stations)[inner] - place, axis=1)
@@ -167,13 +167,13 @@ def _belongs(truth: Truth, place: np.ndarray) -> bool:
     return bool((apart <= np.array(truth.diameter)[inner] / 4 + 0.25).any())
 
 
-def _verdict(truth: Truth, mine: Sequence[Told]) -> Verdict:
+def _verdict(truth: Truth, mine: Sequence[Reported]) -> NarrowingVerdict:
     if not mine:
-        return Verdict(truth.shape, "missed")
+        return NarrowingVerdict(truth.shape, "missed")
     if len(mine) > 1:
-        return Verdict(truth.shape, "split")
+        return NarrowingVerdict(truth.shape, "split")
     one = mine[0]
-    # A long throat has no one narrowest place.
+    # A long throat has no single narrowest place.
     wide = np.array(truth.diameter)
     narrow = np.flatnonzero(wide <= 1.05 * truth.minimum)
     narrow = narrow[(narrow >= truth.begin) & (narrow <= truth.end)]
@@ -188,7 +188,7 @@ def _verdict(truth: Truth, mine: Sequence[Told]) -> Verdict:
         )
         if abs(error) > limit
     ]  # fmt: skip
-    return Verdict(
+    return NarrowingVerdict(
         truth.shape, ", ".join(wrong) or "as it is", place, minimum, percent,
         100 * (one.reference / truth.reference - 1), one.length - truth.length,
     )  # fmt: skip

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 SPACING = 0.5
-"""Of the points along a vessel, mm."""
+"""Spacing of the points along a vessel, mm."""
 
 
 @dataclass(frozen=True)
-class Tree:
-    """Points (n, 3) and radii (n,), mm; `parent` (n,) is -1 for the root, the first point.
+class VesselTree:
+    """Points (n, 3) and radii (n,), mm; `parent` (n,) is -1 at the root, which is the first point.
 
     A point comes after its parent.
     """
@@ -36,7 +36,7 @@ class Tree:
 
     @cached_property
     def arc_length(self) -> np.ndarray:
-        """Of every point from the root, mm."""
+        """Arc length of every point from the root, mm."""
         steps = np.linalg.norm(self.points - self.points[self.parent], axis=1)
         found = np.zeros(len(self.points))
         for number in range(1, len(found)):
@@ -69,7 +69,7 @@ class Tree:
 
     @cached_property
     def vessels(self) -> list[np.ndarray]:
-        """Numbers of points along vessels: on from every fork along the widest child."""
+        """Numbers of points along vessels, which go on from every fork along the widest child."""
         by_start = {int(chain[1]): chain for chain in self.chains}
         found, starts = [], list(self.children[0])
         while starts:
@@ -84,24 +84,24 @@ class Tree:
         return sorted(found, key=lambda vessel: int(vessel[0]))
 
     def path_to(self, point: int) -> np.ndarray:
-        """Numbers of the points from the root to one."""
+        """Numbers of the points from the root to a given one."""
         path = [point]
         while self.parent[path[-1]] >= 0:
             path.append(int(self.parent[path[-1]]))
         return np.array(path[::-1])
 
-    def only(self, keep: np.ndarray) -> Tree:
-        """The part whose points are marked (n,); every parent of one that is kept is kept."""
+    def only(self, keep: np.ndarray) -> VesselTree:
+        """The part of marked points (n,); the parent of a kept point has to be kept as well."""
         number = np.cumsum(keep) - 1
         parent = np.where(self.parent[keep] < 0, -1, number[self.parent[keep]])
-        return Tree(self.points[keep], self.radius[keep], parent)
+        return VesselTree(self.points[keep], self.radius[keep], parent)
 
-    def with_radius(self, radius: np.ndarray) -> Tree:
+    def with_radius(self, radius: np.ndarray) -> VesselTree:
         return replace(self, radius=radius)
 
 
-def resampled(tree: Tree, smoothed: float = 1.0) -> Tree:
-    """The same chains in steps of about `SPACING`; their course is smoothed over so many mm."""
+def resampled(tree: VesselTree, smoothed: float = 1.0) -> VesselTree:
+    """The same chains in steps of about `SPACING`, with their course smoothed over some mm."""
     points, radius, parent = [tree.points[:1]], [tree.radius[:1]], [np.array([-1])]
     number, count = {0: 0}, 1
     for chain in tree.chains:
@@ -116,11 +116,12 @@ def resampled(tree: Tree, smoothed: float = 1.0) -> Tree:
         parent.append(np.r_[number[int(chain[0])], count + np.arange(steps - 1)])
         count += steps
         number[int(chain[-1])] = count - 1
-    return Tree(np.vstack(points), np.concatenate(radius), np.concatenate(parent))
+    return VesselTree(np.vstack(points), np.concatenate(radius), np.concatenate(parent))
 
 
-def read_tree(path: Path, scale: float) -> Tree:
-    """A centerline of 2-point lines with `MaximumInscribedSphereRadius`, in cm, enlarged."""
+def read_tree(path: Path, scale: float) -> VesselTree:
+    """The tree of a centerline of 2-point lines with `MaximumInscribedSphereRadius`,
+    cm, enlarged."""
     import vtk
     from vtk.util.numpy_support import vtk_to_numpy
 
@@ -144,19 +145,19 @@ def read_tree(path: Path, scale: float) -> Tree:
             if other != before:
                 order.append(other)
                 parent.append(place)
-    made = Tree(10 * scale * points[order], 10 * scale * radius[order], np.array(parent))
+    made = VesselTree(10 * scale * points[order], 10 * scale * radius[order], np.array(parent))
     return resampled(made)
 
 
-def with_some_ends(tree: Tree, count: int, random: np.random.Generator) -> Tree:
-    """The part of a tree that leads to so many of its ends."""
+def with_some_ends(tree: VesselTree, count: int, random: np.random.Generator) -> VesselTree:
+    """The part of a tree that leads to a number of its ends."""
     keep = np.zeros(len(tree.points), dtype=bool)
     for leaf in random.permutation(tree.leaves)[:count]:
         keep[tree.path_to(int(leaf))] = True
     return tree.only(keep)
 
 
-def turned(tree: Tree, random: np.random.Generator) -> Tree:
+def turned(tree: VesselTree, random: np.random.Generator) -> VesselTree:
     """The tree in another position, so that no direction of space is special."""
     turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
     if np.linalg.det(turn) < 0:

@@ -1,4 +1,4 @@
-"""Where a tree is narrowed, how deep and over what length: one vessel's, not its branches'."""
+"""Narrowings of a tree: place, depth and length, in a vessel but not in its branches."""
 
 from __future__ import annotations
 
@@ -7,25 +7,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .layout import Tree
+from .layout import VesselTree
 
 SHAPES = ("focal", "long", "ostial", "tandem apart", "tandem merged", "across", "tapering")
 
 LEAST_RADIUS = 1.55
-"""Of a vessel that is narrowed, mm: 3.1 mm wide, above the width from which lesions are told."""
+"""Least radius of a vessel that is narrowed, mm: lesions are reported in vessels above 3 mm."""
 
 LEAST_THROAT = 0.75
-"""Radius, mm: the grid makes narrower ones bumpy, and their narrowest place one of its cells."""
+"""Least radius of a throat, mm: the grid makes narrower ones bumpy, with bumps as
+narrowest places."""
 
 DEPTHS = (0.35, 0.75)
 
 _UNEVEN = 0.08
-"""The vessel's own radius leaves the straight line between its healthy ends by less than this."""
+"""Largest relative deviation of a vessel's radius from a straight line between its healthy ends."""
 
 
 @dataclass(frozen=True)
-class Narrowing:
-    """Numbers of the points of a vessel, and where along it, mm from its first point.
+class MadeNarrowing:
+    """A narrowing of a vessel, given by the numbers of its points; lengths from the first one, mm.
 
     `healthy` are the arc lengths at which it begins and ends; `throats` those where it is deepest.
     """
@@ -35,10 +36,10 @@ class Narrowing:
     healthy: tuple[float, float]
     throats: tuple[float, ...]
     factor: np.ndarray
-    """(number of points of the vessel,): what its radii are multiplied with."""
+    """(number of points of the vessel,) factors on its radii."""
 
 
-def narrowed(tree: Tree, narrowings: Sequence[Narrowing]) -> Tree:
+def narrowed(tree: VesselTree, narrowings: Sequence[MadeNarrowing]) -> VesselTree:
     """The tree with narrowed vessels; branches keep their caliber beyond their ostia."""
     radius = tree.radius.copy()
     for one in narrowings:
@@ -52,8 +53,8 @@ def narrowed(tree: Tree, narrowings: Sequence[Narrowing]) -> Tree:
     return tree.with_radius(radius)
 
 
-def _fit_ostium(tree: Tree, radius: np.ndarray, fork: int, child: int) -> None:
-    """A branch of a narrowed vessel starts as narrow as that, not as the vessel was before."""
+def _fit_ostium(tree: VesselTree, radius: np.ndarray, fork: int, child: int) -> None:
+    """Let a branch of a narrowed vessel start as narrow as that is, not as it was before."""
     waiting, reach = [child], 1.5 * tree.radius[fork]
     while waiting:
         one = waiting.pop()
@@ -65,9 +66,11 @@ def _fit_ostium(tree: Tree, radius: np.ndarray, fork: int, child: int) -> None:
             waiting += tree.children[one]
 
 
-def narrowings(tree: Tree, shapes: Sequence[str], random: np.random.Generator) -> list[Narrowing]:
-    """One of each shape, as far as the tree has room; none touches another."""
-    found: list[Narrowing] = []
+def narrowings(
+    tree: VesselTree, shapes: Sequence[str], random: np.random.Generator
+) -> list[MadeNarrowing]:
+    """A narrowing of each shape, as far as the tree has room; none touches another."""
+    found: list[MadeNarrowing] = []
     taken = np.zeros(len(tree.points), dtype=bool)
     for shape in shapes:
         for one in _tries(tree, shape, random):
@@ -83,11 +86,11 @@ def narrowings(tree: Tree, shapes: Sequence[str], random: np.random.Generator) -
     return found
 
 
-def _along(tree: Tree, vessel: np.ndarray) -> np.ndarray:
+def _along(tree: VesselTree, vessel: np.ndarray) -> np.ndarray:
     return np.asarray(tree.arc_length[vessel] - tree.arc_length[vessel[0]])
 
 
-def _tries(tree: Tree, shape: str, random: np.random.Generator) -> Iterator[Narrowing]:
+def _tries(tree: VesselTree, shape: str, random: np.random.Generator) -> Iterator[MadeNarrowing]:
     wide = [v for v in tree.vessels if tree.calibers[int(v[1])] >= LEAST_RADIUS]
     for _ in range(400):
         vessel = wide[random.integers(len(wide))]
@@ -102,11 +105,13 @@ def _depth(radius: float, random: np.random.Generator) -> float:
     return float(min(random.uniform(*DEPTHS), 1 - LEAST_THROAT / radius))
 
 
-def _ostial(tree: Tree, vessel: np.ndarray, random: np.random.Generator) -> Narrowing | None:
-    """Deepest where the branch leaves its parent's lumen; healthy only distally.
+def _ostial(
+    tree: VesselTree, vessel: np.ndarray, random: np.random.Generator
+) -> MadeNarrowing | None:
+    """A narrowing that is deepest where a branch leaves its parent's lumen, healthy only distally.
 
-    There it has one caliber. On a slope every place is a different reference, and no operator
-    could tell which one was meant.
+    Distally the branch has an even caliber: on a slope every place would be a different reference,
+    and no operator could tell which one was meant.
     """
     fork = int(vessel[0])
     if fork == 0 or _is_widest(tree, fork, int(vessel[1])):
@@ -126,17 +131,17 @@ def _ostial(tree: Tree, vessel: np.ndarray, random: np.random.Generator) -> Narr
     depth = _depth(float(np.median(radius[beyond])), random)
     share = np.clip((along - throat) / length, 0, 1)
     factor = 1 - depth * (1 + np.cos(np.pi * share)) / 2
-    return Narrowing("ostial", vessel, (0.0, throat + length), (throat,), factor)
+    return MadeNarrowing("ostial", vessel, (0.0, throat + length), (throat,), factor)
 
 
-def _is_widest(tree: Tree, fork: int, child: int) -> bool:
+def _is_widest(tree: VesselTree, fork: int, child: int) -> bool:
     return tree.calibers[child] > 0.95 * max(tree.calibers[c] for c in tree.children[fork])
 
 
 def _within(
-    tree: Tree, shape: str, vessel: np.ndarray, random: np.random.Generator
-) -> Narrowing | None:
-    """Healthy on both sides."""
+    tree: VesselTree, shape: str, vessel: np.ndarray, random: np.random.Generator
+) -> MadeNarrowing | None:
+    """A narrowing that is healthy on both sides."""
     along, radius = _along(tree, vessel), tree.radius[vessel]
     lengths, gaps, depths, flat = _profile(shape, random)
     length = sum(lengths) + sum(gaps)
@@ -166,13 +171,13 @@ def _within(
         throats.append(at + reach / 2)
         factor *= 1 - depth * _bump((along - at) / reach, flat)
         at += reach + gap
-    return Narrowing(shape, vessel, (begin, end), tuple(throats), factor)
+    return MadeNarrowing(shape, vessel, (begin, end), tuple(throats), factor)
 
 
 def _profile(
     shape: str, random: np.random.Generator
 ) -> tuple[list[float], list[float], list[float], float]:
-    """Lengths, gaps between, depths, and which share of a length is as deep as its throat."""
+    """Lengths, gaps between, depths, and the share of a length that is as deep as its throat."""
     depth = float(random.uniform(*DEPTHS))
     if shape == "focal":
         return [random.uniform(5.0, 8.0)], [], [depth], 0.0
@@ -195,9 +200,13 @@ def _bump(share: np.ndarray, flat: float) -> np.ndarray:
 
 
 def _is_even(
-    tree: Tree, vessel: np.ndarray, along: np.ndarray, window: tuple[float, float], slope: int = 1
+    tree: VesselTree,
+    vessel: np.ndarray,
+    along: np.ndarray,
+    window: tuple[float, float],
+    slope: int = 1,
 ) -> bool:
-    """Whether a part of a vessel tapers evenly, or is of one caliber; its branches are small."""
+    """Whether a part of a vessel tapers evenly, or has one caliber, and has small branches only."""
     begin, end = window
     inner = (along >= begin) & (along <= end)
     radius = tree.radius[vessel]
@@ -207,8 +216,8 @@ def _is_even(
     return all(_goes_on(tree, n) for n in vessel[inner].tolist() if len(tree.children[n]) > 1)
 
 
-def _goes_on(tree: Tree, fork: int) -> bool:
-    """Whether one vessel goes on through a fork: it keeps its caliber, and the branch is small."""
+def _goes_on(tree: VesselTree, fork: int) -> bool:
+    """Whether a vessel goes on through a fork: it keeps its caliber, and the branch is small."""
     *small, large = sorted(tree.calibers[child] for child in tree.children[fork])
     return large > 0.78 * tree.radius[fork] and max(small) < 0.7 * large
 

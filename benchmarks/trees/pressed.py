@@ -1,8 +1,8 @@
 """Real surfaces with narrowings pressed into them: vessels that are neither round nor even.
 
-The mesh of a patient stays; its points move toward the line of a vessel. What is true afterwards is
-measured in the surfaces before and after, as in made trees; lesions that the patient has anyway are
-no part of it.
+The mesh of a patient stays; its points move toward the line of a vessel. The truth is measured in
+the surfaces before and after, as in synthetic trees; lesions that the patient has anyway are no
+part of it.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ import vtk
 from scipy.spatial import cKDTree
 from vtk.util.numpy_support import vtk_to_numpy
 
-from .case import Case
-from .layout import Tree, read_tree, resampled
-from .narrowing import SHAPES, Narrowing, narrowed, narrowings
+from .case import TreeCase
+from .layout import VesselTree, read_tree, resampled
+from .narrowing import SHAPES, MadeNarrowing, narrowed, narrowings
 from .surface import Wall
 from .truth import Truth, truths
 
 PATIENTS = (("su0243", "mm"), ("pulmonary", "cm"), ("aorta_iliac", "cm"))
-"""Whose surfaces and centerlines there are, with their unit."""
+"""Patients with a surface and a centerline, and the unit of these."""
 
 _FADES = (1.3, 2.5)
-"""Of the vessel's radii from its line: wall nearer than the first moves in full, farther than the
-second it stays."""
+"""Distances from the line of a vessel, in its radii: wall nearer than the first moves in full, wall
+farther than the second stays."""
 
 _SAME = 0.5
-"""Lines of a file are one vessel as long as they run within so many radii of each other."""
+"""Distance, in radii, within which lines of a file are one vessel."""
 
 
-def pressed_case(seed: int, number: int, data: Path, only: str | None = None) -> Case:
+def pressed_case(seed: int, number: int, data: Path, only: str | None = None) -> TreeCase:
     """The case of a number: one of the patients, with up to four narrowings."""
     random = np.random.default_rng([seed, number, 1])
     name, unit = PATIENTS[number % len(PATIENTS)]
@@ -57,17 +57,17 @@ def pressed_case(seed: int, number: int, data: Path, only: str | None = None) ->
         "outlets": len(tree.leaves), "triangles": len(wall.triangles), "refused": refused,
         "wander": 0.0, "has_radius": bool(random.uniform() < 0.7),
     }  # fmt: skip
-    return Case(f"{name}_{number:04d}", after, wall, found, facts)
+    return TreeCase(f"{name}_{number:04d}", after, wall, found, facts)
 
 
-def pressed(wall: Wall, tree: Tree, one: Narrowing) -> Wall:
-    """A wall whose points about a narrowed vessel have moved toward its line by its factor."""
+def pressed(wall: Wall, tree: VesselTree, one: MadeNarrowing) -> Wall:
+    """A wall whose points near a narrowed vessel have moved toward its line by its factor."""
     vessel = one.vessel
     along = tree.arc_length[vessel] - tree.arc_length[vessel[0]]
     caliber = tree.calibers[int(vessel[1])]
     factor = one.factor
     if one.shape == "ostial":
-        # The wall of the parent, beyond the throat, is none of the vessel's.
+        # The wall of the parent, beyond the throat, is no wall of the vessel.
         share = np.clip((one.throats[0] - along) / caliber, 0.0, 1.0)
         factor = 1 - (1 - factor) * (1 + np.cos(np.pi * share)) / 2
     at = np.arange(0.0, along[-1], 0.05)
@@ -81,15 +81,16 @@ def pressed(wall: Wall, tree: Tree, one: Narrowing) -> Wall:
     return wall._replace(points=places)
 
 
-def _nearest(tree: Tree, points: np.ndarray) -> np.ndarray:
-    """The tree's points whose spheres' surfaces are nearest to some points (n, 3)."""
+def _nearest(tree: VesselTree, points: np.ndarray) -> np.ndarray:
+    """The points of the tree whose spheres are nearest to some points (n, 3)."""
     away, about = cKDTree(tree.points).query(points, k=min(32, len(tree.points)))
     order = (away - tree.radius[about]).argmin(axis=1)
     return np.asarray(about[np.arange(len(points)), order])
 
 
-def _is_of(tree: Tree, narrow: np.ndarray, caliber: float) -> np.ndarray:
-    """Which points (n,) of a tree are narrowed, or hang on those within a few calibers."""
+def _is_of(tree: VesselTree, narrow: np.ndarray, caliber: float) -> np.ndarray:
+    """Whether each point (n,) of a tree is narrowed, or hangs on such points within
+    a few calibers."""
     found = np.zeros(len(tree.points), dtype=bool)
     left = np.full(len(tree.points), -1.0)
     left[narrow] = 4.0 * caliber
@@ -107,8 +108,8 @@ def _is_of(tree: Tree, narrow: np.ndarray, caliber: float) -> np.ndarray:
     return found
 
 
-def tree_of_lines(path: Path) -> Tree:
-    """Lines between the root and every end, with `MaximumInscribedSphereRadius`, in mm."""
+def tree_of_lines(path: Path) -> VesselTree:
+    """The tree of lines from the root to every end, with `MaximumInscribedSphereRadius`, in mm."""
     reader = vtk.vtkXMLPolyDataReader()
     reader.SetFileName(str(path))
     reader.Update()
@@ -138,7 +139,7 @@ def tree_of_lines(path: Path) -> Tree:
             radius.append(float(radii[node]))
             parent.append(before)
             before = len(points) - 1
-    return resampled(Tree(np.array(points), np.array(radius), np.array(parent)))
+    return resampled(VesselTree(np.array(points), np.array(radius), np.array(parent)))
 
 
 def _read_wall(path: Path, scale: float) -> Wall:

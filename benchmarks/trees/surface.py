@@ -1,4 +1,4 @@
-"""The wall of a tree as a triangle surface: the union of its spheres on a grid, and its ends."""
+"""The wall of a tree as a triangle surface: the union of its spheres on a grid, with its ends."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ import vtk
 from scipy.spatial import cKDTree
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 
-from .layout import Tree
+from .layout import VesselTree
 
 ENDS = ("round", "capped", "open")
 
 _BAND = 3.0
-"""The field is computed so many steps of the grid about the wall."""
+"""Distance from the wall, in steps of the grid, within which the field is computed."""
 
 _TAIL = 2.5
-"""A vessel goes on beyond a flat end before it is cut, over the end's radius."""
+"""Length by which a vessel goes on beyond a flat end before it is cut, over the end's radius."""
 
 
 class Wall(NamedTuple):
-    """Points (n, 3), mm, triangles (m, 3) and face ids (m,): 1 the wall, 2 the inlet, then ends."""
+    """Points (n, 3), mm, triangles (m, 3) and face ids (m,): 1 for wall, 2 for inlet, then ends."""
 
     points: np.ndarray
     triangles: np.ndarray
     faces: np.ndarray
 
 
-def wall_of(tree: Tree, step: float, ends: str) -> Wall:
-    """The surface; `step` of the grid in mm is about the length of its edges."""
+def wall_of(tree: VesselTree, step: float, ends: str) -> Wall:
+    """The wall of a tree; `step` of the grid, mm, is about the length of its edges."""
     whole = tree if ends == "round" else _with_tails(tree)
     points, triangles = _marched(*_field(whole, step), step)
     points, triangles = _largest_part(points, triangles)
@@ -38,15 +38,15 @@ def wall_of(tree: Tree, step: float, ends: str) -> Wall:
     return _cut(tree, points, triangles, step, is_capped=ends == "capped")
 
 
-def wall_near(tree: Tree, step: float, places: np.ndarray, margin: float = 12.0) -> Wall:
-    """The part of the wall in a box about places (n, 3); it ends where the box does."""
+def wall_near(tree: VesselTree, step: float, places: np.ndarray, margin: float = 12.0) -> Wall:
+    """The part of the wall in a box round places (n, 3); it ends where the box does."""
     low, high = places.min(axis=0) - margin, places.max(axis=0) + margin
     points, triangles = _marched(*_field(tree, step, (low, high)), step)
     return Wall(points, triangles, np.ones(len(triangles), dtype=int))
 
 
-def _with_tails(tree: Tree) -> Tree:
-    """Every end goes on straight."""
+def _with_tails(tree: VesselTree) -> VesselTree:
+    """The tree with every end continued straight."""
     ends = [0, *tree.leaves]
     points = [tree.points]
     for end in ends:
@@ -54,13 +54,13 @@ def _with_tails(tree: Tree) -> Tree:
         points.append(place + np.outer([0.5, 1.0], way) * _TAIL * tree.radius[end])
     added = len(tree.points) + 2 * np.arange(len(ends))
     parent = np.stack([ends, added], axis=1).ravel()
-    return Tree(
+    return VesselTree(
         np.vstack(points), np.r_[tree.radius, np.repeat(tree.radius[ends], 2)],
         np.r_[tree.parent, parent],
     )  # fmt: skip
 
 
-def _end_plane(tree: Tree, end: int) -> tuple[np.ndarray, np.ndarray]:
+def _end_plane(tree: VesselTree, end: int) -> tuple[np.ndarray, np.ndarray]:
     """A point of an end's plane and the direction (3,) out of the vessel."""
     inner = end
     while np.linalg.norm(tree.points[inner] - tree.points[end]) < tree.radius[end]:
@@ -73,9 +73,9 @@ def _end_plane(tree: Tree, end: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _field(
-    tree: Tree, step: float, box: tuple[np.ndarray, np.ndarray] | None = None
+    tree: VesselTree, step: float, box: tuple[np.ndarray, np.ndarray] | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance to the union of cones about the tree's edges on a grid (x, y, z), and its origin."""
+    """Distance to the union of cones round the tree's edges on a grid (x, y, z), and its origin."""
     reach = (tree.radius + _BAND * step)[:, None]
     low, high = box or ((tree.points - reach).min(axis=0), (tree.points + reach).max(axis=0))
     low = low - 2 * step
@@ -87,7 +87,7 @@ def _field(
 
 
 def _carve(
-    field: np.ndarray, low: np.ndarray, step: float, tree: Tree, first: int, last: int
+    field: np.ndarray, low: np.ndarray, step: float, tree: VesselTree, first: int, last: int
 ) -> None:
     start, along = tree.points[first], tree.points[last] - tree.points[first]
     wide, wider = tree.radius[first], tree.radius[last] - tree.radius[first]
@@ -114,7 +114,8 @@ def _carve(
 
 
 def _marched(field: np.ndarray, low: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Marching cubes, smoothed so that no edge of the union and no sliver is left."""
+    """The surface by marching cubes, smoothed so that no edge of the union and no
+    sliver is left."""
     # A grid point exactly on the wall would make triangles without area.
     field[np.abs(field) < 0.02 * step] = 0.02 * step
     image = vtk.vtkImageData()
@@ -135,7 +136,7 @@ def _marched(field: np.ndarray, low: np.ndarray, step: float) -> tuple[np.ndarra
     smooth.NormalizeCoordinatesOn()
     smooth.Update()
     points, triangles = _arrays(smooth.GetOutput())
-    # Inside is below the value, which marching cubes take for outside.
+    # Values inside are below the level, which marching cubes take for outside.
     return points, triangles[:, ::-1].copy()
 
 
@@ -157,7 +158,7 @@ def _largest_part(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray
 
 
 def _cut(
-    tree: Tree, points: np.ndarray, triangles: np.ndarray, step: float, is_capped: bool
+    tree: VesselTree, points: np.ndarray, triangles: np.ndarray, step: float, is_capped: bool
 ) -> Wall:
     """The wall without its tails; the ends are flat."""
     ends = [0, *tree.leaves]
@@ -241,7 +242,7 @@ def rims_of(triangles: np.ndarray) -> list[np.ndarray]:
     Raises
     ------
     ValueError
-        Two of them meet in a point.
+        Two rims meet in a point.
     """
     edges = np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     key = np.sort(edges, axis=1)

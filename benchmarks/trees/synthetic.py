@@ -7,17 +7,18 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .layout import SPACING, Tree
+from .layout import SPACING, VesselTree
 
 LEAST_END = 0.75
 """Radius of the narrowest end, mm."""
 
 _APART = 1.2
-"""Vessels that are no neighbors are at least so far apart from wall to wall, mm."""
+"""Least distance between the walls of vessels that are no neighbors, mm."""
 
 
 class _Tip(NamedTuple):
-    """Where a vessel goes on: number of the point, direction (3,), radius; the parent's radius."""
+    """An end at which a vessel goes on: number of the point, direction (3,), radius, parent's
+    radius."""
 
     point: int
     way: np.ndarray
@@ -26,8 +27,8 @@ class _Tip(NamedTuple):
     is_side: bool
 
 
-def random_tree(random: np.random.Generator, outlets: int) -> Tree:
-    """A tree of about so many outlets; fewer where there is no room left."""
+def random_tree(random: np.random.Generator, outlets: int) -> VesselTree:
+    """A tree with about a number of outlets, or fewer if there is no room left."""
     root = float(random.uniform(4.0, 5.5))
     points, radius, parent = [np.zeros((1, 3))], [np.array([root])], [np.array([-1])]
     tips, ends = [_Tip(0, np.array([0.0, 0.0, 1.0]), root, root, False)], 0
@@ -49,13 +50,13 @@ def random_tree(random: np.random.Generator, outlets: int) -> Tree:
             ends += 1
         else:
             tips += forks
-    return Tree(np.vstack(points), np.concatenate(radius), np.concatenate(parent))
+    return VesselTree(np.vstack(points), np.concatenate(radius), np.concatenate(parent))
 
 
 def _grown(
     tip: _Tip, points: np.ndarray, radius: np.ndarray, random: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Points and radii of a vessel that stays clear of the others; none if there is no room."""
+    """Points and radii of a vessel that stays clear of the others; None if there is no room."""
     others = cKDTree(points)
     is_long = 1.6 < tip.radius < 3.5 and random.uniform() < 0.25
     slenderness = random.uniform(5.0, 9.0) if is_long else random.uniform(1.5, 3.5)
@@ -86,14 +87,15 @@ def _is_clear(place: np.ndarray, wide: float, others: np.ndarray, radius: np.nda
 
 
 def _funnel(tip: _Tip, along: np.ndarray) -> np.ndarray:
-    """What a vessel is wider at its beginning: it comes out of its parent without a step."""
+    """Additional radius of a vessel at its beginning, so that it leaves its parent
+    without a step."""
     share = np.clip(along / (1.5 * tip.parents), 0, 1)
     more = 0.1 * tip.radius if tip.is_side else tip.parents - tip.radius
     return np.asarray(more * (1 - share * share * (3 - 2 * share)))
 
 
 def _forked(point: int, way: np.ndarray, wide: float, random: np.random.Generator) -> list[_Tip]:
-    """A side branch, or two vessels alike: the cubes of the radii add up to the parent's."""
+    """A side branch, or two equal vessels: the cubes of the radii add up to the parent's."""
     is_split = random.uniform() < 0.45
     small = wide * (random.uniform(0.72, 0.79) if is_split else random.uniform(0.35, 0.65))
     small = max(small, LEAST_END)

@@ -1,4 +1,4 @@
-"""What is told of treated narrowings, held against spheres that brute force finds in the result.
+"""The report on treated narrowings, held against spheres that brute force finds in the result.
 
 Every narrowing that was found is sized by `suggest` and treated by `run`, as installed commands.
 """
@@ -18,23 +18,23 @@ from ..common import Found, markdown
 from .case import load, read_wall
 from .judge import FILES, MINIMUM, PERCENT, PLACE, asked
 from .surface import Wall
-from .truth import Course, Spheres, Truth, profile
+from .truth import Spheres, Truth, VesselCourse, profile
 
 ERRORS = {
     "lumen": (MINIMUM, "narrowest lumen over the stent, %"),
     "left": (MINIMUM, "sphere at the narrowest place left, %"),
     "lesion": (PERCENT, "lesion after, points"),
 }
-"""What is compared: the error that is taken for none, and its words."""
+"""Compared numbers: the largest error that counts as none, and words."""
 
 
 def of_case(folder: Path) -> list[Found]:
-    """A treatment for each narrowing of a saved case; `failure` where a command ended otherwise."""
+    """A treatment for each narrowing of a saved case; `failure` if a command ended otherwise."""
     _, truths, _ = load(folder)
-    told = asked(folder, by_command=False).told
+    reported = asked(folder, by_command=False).reported
     found = []
     for number, truth in enumerate(truths):
-        apart = [float(np.linalg.norm(one.place - truth.place)) for one in told]
+        apart = [float(np.linalg.norm(one.place - truth.place)) for one in reported]
         if min(apart, default=np.inf) > PLACE:
             continue
         with TemporaryDirectory() as made:
@@ -82,13 +82,13 @@ def _inscribed(wall: Wall, truth: Truth, lumen: float) -> np.ndarray:
     ways = np.gradient(stations, axis=0)
     ways /= np.linalg.norm(ways, axis=1)[:, None]
     spheres = Spheres(wall, stations, 1.4 * float(wide.max()) + 1)
-    return profile(spheres, Course(np.array(truth.along), stations, ways, wide / 2))[1]
+    return profile(spheres, VesselCourse(np.array(truth.along), stations, ways, wide / 2))[1]
 
 
 def _degree(truth: Truth, wide: np.ndarray) -> float:
-    """Percent by diameter that diameters (n,) leave of a narrowing, by the interpolated truth.
+    """Percent by diameter that diameters (n,) leave of a narrowing, from the interpolated truth.
 
-    Nowhere is it wider than the vessel before it was narrowed: it spans both of two in tandem.
+    The truth is nowhere wider than the vessel before narrowing, as it spans both of two in tandem.
     """
     inner = slice(truth.begin, truth.end + 1)
     along, sides = np.array(truth.along)[inner], (truth.proximal, truth.distal)
@@ -99,7 +99,7 @@ def _degree(truth: Truth, wide: np.ndarray) -> float:
 
 
 def sentences(treatments: Sequence[Found]) -> Iterator[str]:
-    """What is wrong in them."""
+    """Sentences about what is wrong in treatments."""
     for one in treatments:
         start = f"{one['case']}, narrowing {one['narrowing']} ({one['shape']}): "
         if one["failure"]:
@@ -113,7 +113,7 @@ def sentences(treatments: Sequence[Found]) -> Iterator[str]:
 
 
 def table(treatments: Sequence[Found]) -> str:
-    """How many are told rightly, and the errors."""
+    """The number of correct reports, and the errors."""
     done = [one for one in treatments if not one["failure"]]
     rows = []
     for name, (most, words) in ERRORS.items():

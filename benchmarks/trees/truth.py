@@ -1,4 +1,4 @@
-"""What is true of a narrowing, by brute force: spheres tried on grids, nothing of the library.
+"""The truth about a narrowing, by brute force: spheres tried on grids, nothing of the library.
 
 The inscribed sphere of a station is the largest of those whose centers lie in the plane across the
 vessel. Its center is searched on a grid of the plane, which is then refined about the best place.
@@ -14,28 +14,28 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .layout import Tree
-from .narrowing import Narrowing
+from .layout import VesselTree
+from .narrowing import MadeNarrowing
 from .surface import Wall
 
 HEALTHY = 0.9
-"""A vessel is narrowed where it is below this share of its reference."""
+"""Share of its reference below which a vessel is narrowed."""
 
 LEAST_CALIBER = 3.1
-"""Narrower vessels are not told of unless asked for; mm."""
+"""Diameter, mm, below which vessels are not reported unless asked for."""
 
 _COVERS = (0.05, 0.1, 0.2, 0.4)
-"""Distance of the points that cover the triangles, mm: fine ones for the last steps of a search."""
+"""Spacings of the points that cover the triangles, mm: fine ones for the last steps of a search."""
 
 _STEP = 0.5
-"""Distance of stations, mm; a fifth about those that are nearly the narrowest,"""
+"""Spacing of stations, mm; a fifth of it near those that are nearly the narrowest."""
 
 _NEARLY = 1.05
-"""up to so many times as wide: a wall of triangles has dips that are shorter than stations are
-apart."""
+"""Width over the narrowest one up to which a station is nearly the narrowest: a wall of triangles
+has dips that are shorter than the spacing of stations."""
 
 _PLATEAU = 3.0
-"""The healthy caliber is the median over so many mm beside the narrowing."""
+"""Length beside the narrowing, mm, over which the healthy caliber is the median."""
 
 
 @dataclass(frozen=True)
@@ -79,11 +79,12 @@ class Spheres:
         self._covers = [cKDTree(_cover(near, apart)) for apart in _COVERS]
 
     def radius_at(self, place: np.ndarray) -> float:
-        """Of the largest sphere about a place that lies inside."""
+        """Radius of the largest sphere about a place that lies inside."""
         return float(self._covers[0].query(place)[0])
 
     def across(self, place: np.ndarray, way: np.ndarray, within: float) -> tuple[np.ndarray, float]:
-        """Center and radius of the largest sphere centered in a disk; the disk lies inside."""
+        """Center and radius of the largest sphere whose center lies in a disk inside
+        of the vessel."""
         first = np.cross(way, np.eye(3)[np.argmin(np.abs(way))])
         first /= np.linalg.norm(first)
         plane = np.stack([first, np.cross(way, first)])
@@ -117,7 +118,7 @@ class Spheres:
 
 
 def _cover(corners: np.ndarray, apart: float) -> np.ndarray:
-    """Points on triangles (n, 3, 3), at most so far apart."""
+    """Points on triangles (n, 3, 3), at most a given distance apart."""
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     parts = np.maximum(np.ceil(longest / apart).astype(int), 1)
     found = []
@@ -131,7 +132,7 @@ def _cover(corners: np.ndarray, apart: float) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Course:
+class VesselCourse:
     """Stations (n, 3) along a vessel, mm apart; directions (n, 3) and radii (n,) of the tree."""
 
     along: np.ndarray
@@ -140,8 +141,8 @@ class Course:
     radius: np.ndarray
 
 
-def course(tree: Tree, vessel: np.ndarray, along: np.ndarray) -> Course:
-    """Of a vessel at arc lengths (n,) from its first point."""
+def course(tree: VesselTree, vessel: np.ndarray, along: np.ndarray) -> VesselCourse:
+    """Stations of a vessel at arc lengths (n,) from its first point."""
     own = tree.arc_length[vessel] - tree.arc_length[vessel[0]]
     along = along[(along >= own[0]) & (along <= own[-1])]
     line = [
@@ -150,10 +151,10 @@ def course(tree: Tree, vessel: np.ndarray, along: np.ndarray) -> Course:
     ]
     ways = line[2] - line[0]
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    return Course(along, line[1], ways, np.interp(along, own, tree.radius[vessel]))
+    return VesselCourse(along, line[1], ways, np.interp(along, own, tree.radius[vessel]))
 
 
-def profile(spheres: Spheres, stations: Course) -> tuple[np.ndarray, np.ndarray]:
+def profile(spheres: Spheres, stations: VesselCourse) -> tuple[np.ndarray, np.ndarray]:
     """Centers (n, 3) and diameters (n,) of the largest spheres across a vessel."""
     found = [
         spheres.across(place, way, 0.9 * radius)
@@ -163,14 +164,14 @@ def profile(spheres: Spheres, stations: Course) -> tuple[np.ndarray, np.ndarray]
 
 
 def truths(
-    before: tuple[Tree, Wall], after: tuple[Tree, Wall], narrowing: Narrowing
+    before: tuple[VesselTree, Wall], after: tuple[VesselTree, Wall], narrowing: MadeNarrowing
 ) -> list[Truth]:
-    """What is found of a narrowing: one, or as many as healthy vessel keeps apart.
+    """The truth about a narrowing: one, or as many as healthy vessel separates.
 
     Raises
     ------
     ValueError
-        It is not as it was meant to be: too shallow, or the surface parts what the shape does not.
+        It is not as intended: too shallow, or the surface separates what the shape does not.
     """
     begin, end = narrowing.healthy
     is_ostial = narrowing.shape == "ostial"
@@ -224,26 +225,28 @@ def truths(
 
 
 def _measured(
-    tree: Tree, wall: Wall, vessel: np.ndarray, along: np.ndarray
-) -> tuple[Course, np.ndarray, np.ndarray]:
-    """Stations, centers (n, 3) and diameters (n,) of their spheres."""
+    tree: VesselTree, wall: Wall, vessel: np.ndarray, along: np.ndarray
+) -> tuple[VesselCourse, np.ndarray, np.ndarray]:
+    """Stations, and centers (n, 3) and diameters (n,) of their spheres."""
     stations = course(tree, vessel, along)
     spheres = Spheres(wall, stations.points, 2.2 * float(stations.radius.max()) + 1.0)
     return stations, *profile(spheres, stations)
 
 
-def _plateau(measured: tuple[Course, np.ndarray, np.ndarray], begin: float, end: float) -> float:
+def _plateau(
+    measured: tuple[VesselCourse, np.ndarray, np.ndarray], begin: float, end: float
+) -> float:
     along = measured[0].along
     return float(np.median(measured[2][(along >= begin) & (along <= end)]))
 
 
 def _parts(along: np.ndarray, share: np.ndarray) -> list[tuple[int, int]]:
-    """First and last stations of where a vessel is below its reference by a quarter somewhere.
+    """First and last stations of parts in which a vessel is narrower by a quarter somewhere.
 
     Raises
     ------
     ValueError
-        What lies between two of them is neither clearly healthy nor clearly narrowed.
+        A part between two narrowings is neither clearly healthy nor clearly narrowed.
     """
     below = share < HEALTHY
     edges = np.flatnonzero(np.diff(np.r_[False, below, False].astype(int)))
@@ -254,11 +257,11 @@ def _parts(along: np.ndarray, share: np.ndarray) -> list[tuple[int, int]]:
     return runs
 
 
-def degree_beside(tree: Tree, wall: Wall, place: np.ndarray, reach: float = 20.0) -> float:
-    """How much narrower, %, a vessel is about a place than on both sides within `reach` mm.
+def degree_beside(tree: VesselTree, wall: Wall, place: np.ndarray, reach: float = 20.0) -> float:
+    """Degree, %, by which a vessel is narrower near a place than on both sides within `reach` mm.
 
-    Of the wider of the sides only what the narrower one has counts, so that a vessel that tapers
-    has 0 %. Proximal of where a vessel begins is its parent: a narrowing may go across a fork.
+    The narrower of the two sides counts, so that a tapering vessel has 0 %. Proximal of the
+    beginning of a vessel its parent counts, as a narrowing may go across a fork.
     """
     node = int(np.argmin(np.linalg.norm(tree.points - place, axis=1) - 0.5 * tree.radius))
     vessel = next(one for one in tree.vessels if node in one[1:] or node == 0)
