@@ -660,6 +660,25 @@ def test_a_fontan_is_told_from_each_caval_vein_and_its_inlets_are_set_in_the_pag
     assert (flow["bsa"], flow["unusual"]) == (1.2, True)
 
 
+def test_a_stent_is_kept_at_a_lesion_and_on_a_branch(a_visit):
+    a_visit.add_stent()
+    a_visit.named("placementComboBox").select_option(label="At a lesion")
+    a_visit.until("landmarkComboBox", "41 %")
+    box = a_visit.number("landmarkSpinBox")
+    box.fill("2")
+    box.press("Enter")
+    playwright.expect(box).to_have_value("2.0")
+    assert a_visit.placed()[0] == {"lesion": 1, "offset": 2.0}
+    a_visit.named("placementComboBox").select_option(label="On a branch")
+    a_visit.named("landmarkComboBox").select_option(label="right pulmonary artery")
+    box.fill("9.5")
+    box.press("Enter")
+    playwright.expect(box).to_have_value("9.5")
+    assert a_visit.placed()[0] == {"branch": 3, "distance": 9.5}
+    a_visit.named("deployButton").click()
+    a_visit.until("certificateLabel", "ertified")
+
+
 def write_fontan(folder):
     """The connection of both caval veins, and a plan with a stent in the conduit and two inlets."""
     fontan = cavopulmonary_connection(1.4)

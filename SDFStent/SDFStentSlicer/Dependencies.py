@@ -73,6 +73,9 @@ def _refusal(stents):
 
 def missingOf(stent):
     """What a stent's handle lacks, as a sentence; "" when it says where the stent goes."""
+    if stent.placement.isOfVessel:
+        words = _("{label}: choose a lesion, or a branch.").format(label=stent.label)
+        return words if Sizes.landmarkOf(stent) is None else ""
     if stent.handle is None:
         return _("{label}: choose a handle.").format(label=stent.label)
     if stent.placement == Placement.ALONG_CURVE and not stent.handle.IsA("vtkMRMLMarkupsCurveNode"):
@@ -130,7 +133,11 @@ def _signature(parameterNode, numbered):
         tuple(vars(methodOf(parameterNode)).values()),
         # Its number is a part of what is told of a stent.
         tuple(
-            (number, stent.label, *Sizes.sizesOf(stent), Conversion.changeStamp(stent.handle))
+            (number, stent.label, *Sizes.sizesOf(stent), _placeOf(stent))
             for number, stent in numbered
         ),
     )
+
+
+def _placeOf(stent):
+    return stent.landmark if stent.placement.isOfVessel else Conversion.changeStamp(stent.handle)

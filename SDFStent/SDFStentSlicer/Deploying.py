@@ -44,9 +44,10 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
 def _begun(parameterNode, vessel, inputs):
     """Where the stents go; yields None until it is known, then returns the `Stenting`."""
     hasTree = parameterNode.centerline is not None
+    stents = Plans.plannedOf(parameterNode)
     planned = (
         vessel.surface,
-        Plans.plannedOf(parameterNode),
+        (yield from inputs.placedInPortions(parameterNode, stents)),
         inputs.centerline(parameterNode) if hasTree else None,
         Plans.settingsOf(parameterNode),
     )

@@ -70,6 +70,15 @@ def bringTo(node, className, points):
     return True
 
 
+def bring(node, point):
+    """Put the only point of a handle to a place, where it is not there yet."""
+    placed = Conversion.placedIndices(node)
+    if not placed:
+        node.AddControlPointWorld(*point)
+    elif not np.allclose(Conversion.placedPoints(node)[0], point, rtol=0, atol=1e-9):
+        node.SetNthControlPointPositionWorld(placed[0], *point)
+
+
 def placeAt(node, points):
     """Move the placed points of a markups node, as many as there are."""
     with slicer.util.NodeModify(node):

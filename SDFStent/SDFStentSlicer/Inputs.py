@@ -17,6 +17,7 @@ from SDFStentLib.files import (
     triangulated_polydata,
 )
 from SDFStentLib.lumen import LineEnds, loops_told, with_ends_in_middle
+from SDFStentLib.stent import OfVessel
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import given_names
 
@@ -142,20 +143,21 @@ class Inputs:
         except InputError as error:
             return (), str(error)
 
-    def placedInPortions(self, parameterNode, stent):
-        """A stent of the library at a lesion, or on a branch, by its point in RAS; a generator as those above."""
-        if None in (parameterNode.vessel, parameterNode.centerline):
-            raise InputError(
-                _(
-                    "expected a vessel and a centerline for a place at a lesion or on a branch, got none; choose both first."
-                )
-            )
+    def placedInPortions(self, parameterNode, stents):
+        """Stents of the library, those at a lesion or on a branch by points; a generator as those above."""
+        if not any(isinstance(one.placement, OfVessel) for one in stents if one.enabled):
+            return stents
         search = self.lesions(parameterNode)
         yield from search.portions()
-        return (yield from inPortions(lambda: search.placed(stent)))
+        return (
+            yield from inPortions(
+                lambda: [search.placed(one) if one.enabled else one for one in stents]
+            )
+        )
 
     def nativeLumenInPortions(self, parameterNode, stent):
         """Smallest inscribed diameter where a stent of the library lies, before it, mm; a generator as those above."""
+        (stent,) = yield from self.placedInPortions(parameterNode, [stent])
         vessel = yield from self.vesselInPortions(parameterNode)
         centerline = None
         if parameterNode.centerline is not None:

@@ -100,6 +100,11 @@ class LesionSearch:
         root = partings[np.argmin(tree.arc_length[partings])] if len(partings) else 0
         return _("right") if lesion.point[0] > tree.points[root, 0] else _("left")
 
+    @property
+    def landmarks(self):
+        """The library's `Landmarks` of the vessel, by which stents are placed; None until they are known."""
+        return self._vessel.landmarks if self.found is not None and not self.sentence else None
+
     def placed(self, stent):
         """A stent of the library where it lies in the vessel; once `portions` was run to its end. Raises as `Vessel.placed`."""
         if self._vessel is None:

@@ -39,7 +39,7 @@ from .ParameterNode import (
     stentsOf,
 )
 from .Planning import Planning
-from .Portions import untilDone, working
+from .Portions import working
 from .Previewing import Previewing
 from .Snapping import Snapping
 from .Suggesting import Suggesting
@@ -137,11 +137,7 @@ class SDFStentLogic(
     def loadPlan(self, path, parameterNode):
         """Replace stents and method by those of a plan document; what to know about it is in `status` afterwards."""
         former = [stent.handle for stent in stentsOf(parameterNode)]
-
-        def placed(stent):
-            return untilDone(self._inputs.placedInPortions(parameterNode, stent))
-
-        parameterNode.status = Plans.load(path, parameterNode, placed)
+        parameterNode.status = Plans.load(path, parameterNode)
         plans = map(self.parameterSet, self.getAllParameterNodes())
         used = [stent.handle for plan in plans for stent in stentsOf(plan)]
         for handle in {one for one in former if one not in used}:
@@ -214,9 +210,7 @@ class SDFStentLogic(
             parameterNode.status = told
         if live:
             search = self.lesionSearch(parameterNode)
-            yield from self._previewing.steps(
-                shown, signature, vessel, lambda: self._inputs.preview(parameterNode), search
-            )
+            yield from self._previewing.steps(shown, signature, vessel, self._inputs, search)
         else:
             yield from Deploying.steps(shown, signature, vessel, self._inputs, mayGoOn)
             yield from Deploying.measured(shown)
@@ -230,6 +224,11 @@ class SDFStentLogic(
     def tellFlow(self, parameterNode):
         """Tell the numbers of the last deployment for the flow that is set; an iterator as `steps`."""
         yield from Deploying.told(self._shownOf(parameterNode))
+
+    def landmarks(self, parameterNode):
+        """The library's `Landmarks` of the vessel; None before its lesions were searched, or where it has none."""
+        search = self.lesionSearch(parameterNode)
+        return None if search is None else search.landmarks
 
     def endNames(self, parameterNode):
         """By what the ends of the vessel are found as inlets, as the library's; none before its lesions were searched."""

@@ -33,6 +33,8 @@ class Placement(enum.Enum):
     BETWEEN_POINTS = "between"
     ALONG_CURVE = "axis"
     AGAIN = "again"
+    AT_LESION = "lesion"
+    ON_BRANCH = "branch"
 
     def label(self):
         """The text in the panel."""
@@ -43,12 +45,19 @@ class Placement(enum.Enum):
             Placement.BETWEEN_POINTS: _("Between two points"),
             Placement.ALONG_CURVE: _("Along a curve"),
             Placement.AGAIN: _("Dilates a stent again"),
+            Placement.AT_LESION: _("At a lesion"),
+            Placement.ON_BRANCH: _("On a branch"),
         }[self]
 
     @property
     def usesHandleLength(self):
         """Whether the handle alone says how long the stent is."""
         return self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE, Placement.AGAIN)
+
+    @property
+    def isOfVessel(self):
+        """Whether what the vessel has says where the stent is, and the handle follows."""
+        return self in (Placement.AT_LESION, Placement.ON_BRANCH)
 
     @property
     def needsCenterline(self):
@@ -166,7 +175,8 @@ class StentParameters:
     `details` is what there is beyond them (device, balloon, kept end, shape), as the library's `StentDetails` keeps it.
     With `deviceShortening` the device says how much shorter it becomes. `redilation` is the diameter to which the same stent is
     dilated at once after it, of the second balloon where it has a balloon; 0 for none. With the placement `AGAIN` it is no stent of its
-    own: it dilates the one above it that has the same handle, as that lies by then.
+    own: it dilates the one above it that has the same handle, as that lies by then. `landmark` is where it is at a lesion or on a branch,
+    as the placement of a plan's document.
     """
 
     label: str = "Stent"
@@ -179,6 +189,7 @@ class StentParameters:
     details: str = ""
     deviceShortening: bool = False
     redilation: Annotated[float, _within("redilation")] = 0.0
+    landmark: str = ""
     handle: Union[vtkMRMLMarkupsFiducialNode, vtkMRMLMarkupsCurveNode, None]
 
 

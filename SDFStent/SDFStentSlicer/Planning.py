@@ -3,13 +3,20 @@
 import numpy as np
 import slicer
 
-from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter, stent_axis
-from SDFStentLib.treatment import placement_at
+from SDFStentLib.stent import (
+    DEFAULT_FORESHORTENING,
+    AtCenter,
+    AtDistalEnd,
+    OfVessel,
+    stent_axis,
+)
+from SDFStentLib.treatment import nearest_place, placement_at
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Dependencies, Handles, Plans, Sizes
 from .LumenMiddle import middleOn
 from .ParameterNode import STENT_FIELDS, Placement, stentOf, stentsOf
+from .Portions import untilDone
 from .StentList import StentList
 
 BESIDE = 2 * Handles.ON_ANOTHER
@@ -79,7 +86,8 @@ class Planning:
         stents.copy(
             stent.handle if isAgain else Handles.copyHandle(stent.handle, stents.freeLabel())
         )
-        if stent.placement.needsCenterline and parameterNode.centerline is not None:
+        self.freePlace(parameterNode)
+        if parameterNode.stent.placement.needsCenterline and parameterNode.centerline is not None:
             self._moveBeside(parameterNode)
 
     def _moveBeside(self, parameterNode):
@@ -116,6 +124,8 @@ class Planning:
         """Give the selected stent's handle the points that its placement needs; one that dilates another again takes that one's."""
         if self.shareHandle(parameterNode):
             return
+        if parameterNode.stent.placement.isOfVessel:
+            self.findLandmark(parameterNode)
         stent = parameterNode.stent
         stent.foreshortening = 0.0 if stent.placement.usesHandleLength else 10.0
         if stent.handle is not None and parameterNode.centerline is not None:
@@ -128,16 +138,68 @@ class Planning:
         if any(stent.handle is handle and stent.placement.needsCenterline for stent in stents):
             self._dragging.follow(handle, self._inputs.knownCenterline(parameterNode))
 
+    def findLandmark(self, parameterNode):
+        """Let a stent that shall be at a lesion, or on a branch, be at the one that is nearest to its handle.
+
+        Raises `InputError` where the vessel has none.
+        """
+        search = self._inputs.lesions(parameterNode)
+        untilDone(search.portions())
+        if search.landmarks is None:
+            raise InputError(search.sentence)
+        stent = parameterNode.stent
+        points = [] if stent.handle is None else Conversion.placedPoints(stent.handle)
+        kind = Sizes.KINDS[stent.placement]
+        found = nearest_place(kind, search.landmarks, np.mean(points, axis=0) if points else None)
+        self.setLandmark(parameterNode, found)
+
     @staticmethod
-    def lying(parameterNode, centerline):
+    def setLandmark(parameterNode, placement):
+        """Let the selected stent be at a lesion, or on a branch: at a placement of the library of that kind."""
+        StentList(parameterNode).change(landmark=Plans.landmarkText(placement))
+
+    def freePlace(self, parameterNode):
+        """Let a stent that lies at a lesion, or on a branch, lie by its handle, where that is: a hand moves it now."""
+        stent = stentOf(parameterNode)
+        if len(stentsOf(parameterNode)) and stent.placement.isOfVessel:
+            isPlaced = not (Dependencies.missingOf(stent) or Sizes.refusal(stent))
+            planned = Plans.plannedStent(stent) if isPlaced else None
+            placed = planned and self._placedKnown(parameterNode, planned)
+            isDistal = placed is not None and isinstance(placed.placement, AtDistalEnd)
+            kind = Placement.DISTAL_END if isDistal else Placement.CENTER
+            StentList(parameterNode).change(placement=kind, landmark="")
+
+    def _placedKnown(self, parameterNode, planned):
+        """A stent of the library by a point, where it is known; None where it is not yet."""
+        if not isinstance(planned.placement, OfVessel):
+            return planned
+        search = self.lesionSearch(parameterNode)
+        if search is None or search.landmarks is None:
+            return None
+        try:
+            return search.placed(planned)
+        except InputError:
+            return None  # a deployment says why
+
+    def followLandmarks(self, parameterNode):
+        """Bring handles of stents at lesions and on branches to where these lie, once the vessel is known."""
+        for stent in stentsOf(parameterNode):
+            isPlaced = stent.placement.isOfVessel and Sizes.landmarkOf(stent) is not None
+            if not isPlaced or stent.handle is None or Sizes.refusal(stent):
+                continue
+            placed = self._placedKnown(parameterNode, Plans.plannedStent(stent))
+            if placed is not None:
+                Handles.bring(stent.handle, placed.placement.point)
+
+    def lying(self, parameterNode, centerline):
         """The selected stent as the library's, and the `StentAxis` on which it will lie; None for one that cannot."""
         stent = stentOf(parameterNode)
         isThere = len(stentsOf(parameterNode)) and not Dependencies.missingOf(stent)
         if not isThere or Sizes.refusal(stent):
             return None
         try:
-            planned = Plans.plannedStent(stent)
-            return planned, stent_axis(planned, centerline)
+            planned = self._placedKnown(parameterNode, Plans.plannedStent(stent))
+            return planned and (planned, stent_axis(planned, centerline))
         except InputError:
             return None  # a deployment says why
 
@@ -196,6 +258,7 @@ class Planning:
 
     def moveStent(self, parameterNode, distance):
         """Move the handle of the selected stent along the centerline, in mm, towards the outlets or, negative, the root."""
+        self.freePlace(parameterNode)
         stent = stentOf(parameterNode)
         if (
             stent.handle is not None
@@ -221,6 +284,7 @@ class Planning:
         A click into a 3D view has the depth of what is drawn foremost, as the wall, another handle, or the stented vessel. `ray` is the
         `Ray` on which the point was seen; None in a slice view, where the point stays. It also stays where no vessel is seen, and `status` says so.
         """
+        self.freePlace(parameterNode)
         if stentOf(parameterNode).placement != Placement.ALONG_CURVE:
             self.snapHandle(parameterNode, handle)
         elif ray is not None:

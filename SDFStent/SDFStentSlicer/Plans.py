@@ -13,6 +13,7 @@ from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.plan import (
     Plan,
     load_plan,
+    placement_document,
     plan_from_document,
     plan_text,
     save_plan,
@@ -134,38 +135,21 @@ def save(path, parameterNode):
     return _withoutFiles(parameterNode)
 
 
-def load(path, parameterNode, placed):
+def load(path, parameterNode):
     """Replace stents and method by those of a plan document; its handles are made, the old ones are nobody's then.
 
-    `placed(stent)` brings a stent at a lesion, or on a branch, to its point in the vessel, in RAS.
     Returns what there is to know of it, such as that the plan does not say in which frame its points are, or "".
     """
     plan = load_plan(path)
-    found = [isinstance(stent.placement, OfVessel) for stent in plan.stents]
-    hasFrame = plan.frame is not None
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
-    plan = replace(plan, frame=frame, stents=tuple(_inVessel(path, plan.stents, frame, placed)))
-    _take(plan, path, parameterNode, {})
+    _take(replace(plan, frame=frame), path, parameterNode, {})
     told = []
-    if any(found):
-        told.append(_("Places at lesions and on branches are points now, for the mouse to take."))
     if plan.flow is not None and plan.flow.wave is not None:
         told.append(_("Of the wave of the plan's flow the mean and the peak are taken."))
-    if not hasFrame:
+    if plan.frame is None:
         words = _("The plan does not name the frame of its points; {frame} is taken.")
         told.append(words.format(frame=frame))
     return " ".join(told)
-
-
-def _inVessel(path, stents, frame, placed):
-    """The stents of a plan, by a point where their places are those of a vessel; its complaints with file and number."""
-    for number, stent in enumerate(stents, start=1):
-        if isinstance(stent.placement, OfVessel):
-            try:
-                stent = _inFrame(placed(stent), frame)
-            except InputError as error:
-                raise error.labeled(f"{path}: stent {number}: ") from error
-        yield stent
 
 
 def textOf(parameterNode, hasFiles=True):
@@ -311,6 +295,8 @@ def _placementOf(stent, number):
                 f"{stent.label}: expected a stent above it with the same handle, which it dilates again, got none; choose its handle."
             )
         return OfStent(number)
+    if stent.placement.isOfVessel:
+        return Sizes.landmarkOf(stent)
     if stent.placement == Placement.ALONG_CURVE:
         return library.AlongAxis(Conversion.curvePoints(stent.handle))
     points = Conversion.handlePoints(stent.handle, stent.placement.pointCount, stent.label)
@@ -331,13 +317,21 @@ def valuesOf(stent):
         "deviceShortening": stent.foreshortening_fraction is None
         and (stent.device is not None or kind == Placement.AGAIN),
         "placement": kind,
+        "landmark": landmarkText(stent.placement) if kind.isOfVessel else "",
         "wholeCurve": stent.length is None,
     }
     return values if stent.length is None else {**values, "length": stent.length}
 
 
+def landmarkText(placement):
+    """What the parameters keep of a place at a lesion or on a branch."""
+    return json.dumps(placement_document(placement))
+
+
 def _handleOf(planned, label, former=None):
     kind, points = _kindAndPoints(planned.placement)
+    if kind.isOfVessel and Handles.isOwn(former):
+        return former  # it follows
     className = Handles.CURVE if kind == Placement.ALONG_CURVE else Handles.POINTS
     if former is not None and Handles.bringTo(former, className, points):
         return former
@@ -347,6 +341,8 @@ def _handleOf(planned, label, former=None):
 def _kindAndPoints(placement):
     if placement is None:
         return Placement.CENTER, []
+    if isinstance(placement, OfVessel):
+        return next(kind for kind, one in Sizes.KINDS.items() if isinstance(placement, one)), []
     for kind, cls in BY_POINT.items():
         if isinstance(placement, cls):
             return kind, [placement.point]

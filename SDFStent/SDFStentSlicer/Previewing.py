@@ -24,8 +24,8 @@ class Previewing:
     def __init__(self):
         self._measuredAt = 0.0
 
-    def steps(self, shown, signature, vessel, previewedOf, search):
-        """Preview the plan on the `PreviewedVessel` of `previewedOf()` and show it; an iterator as `SDFStentLogic.steps`.
+    def steps(self, shown, signature, vessel, inputs, search):
+        """Preview the plan on the `PreviewedVessel` of the logic's `Inputs` and show it; an iterator as `SDFStentLogic.steps`.
 
         `search` is the `LesionSearch` of the vessel, or None. Where the library refuses the plan, or the centerline, the vessel is shown
         without stents, and said to be.
@@ -33,9 +33,11 @@ class Previewing:
         parameterNode, surface = shown.parameterNode, shown.surface(vessel)
         surface.hideOutline()  # until nothing more is coming
         try:
+            stents = Plans.plannedOf(parameterNode)
+            stents = yield from working(inputs.placedInPortions(parameterNode, stents))
             run = yield from working(
-                previewedOf().portions(
-                    Plans.plannedOf(parameterNode),
+                inputs.preview(parameterNode).portions(
+                    stents,
                     Plans.settingsOf(parameterNode, live=True),
                     parameterNode.method.straightening / 100,
                     Dependencies.places(parameterNode),

@@ -1,11 +1,12 @@
 """A stent's parameters as the library's stent: its sizes, device, balloon and shape, and whether they fit together."""
 
+import json
 from dataclasses import replace
 from functools import lru_cache
 from types import SimpleNamespace
 
 from SDFStentLib import stent as library
-from SDFStentLib.plan import StentSizes, detailed_stent, read_details
+from SDFStentLib.plan import StentSizes, detailed_stent, read_details, read_place
 from SDFStentLib.stent import dilated_again
 from SDFStentLib.validation import InputError
 
@@ -18,10 +19,14 @@ KINDS = {
     Placement.BETWEEN_POINTS: library.BetweenPoints,
     Placement.ALONG_CURVE: library.AlongAxis,
     Placement.AGAIN: library.OfStent,
+    Placement.AT_LESION: library.AtLesion,
+    Placement.ON_BRANCH: library.OnBranch,
 }
 """What the library calls them."""
 
-BY_POINT = {kind: one for kind, one in KINDS.items() if not kind.usesHandleLength}
+BY_POINT = {
+    kind: KINDS[kind] for kind in (Placement.CENTER, Placement.DISTAL_END, Placement.PROXIMAL_END)
+}
 
 SIZES = (
     "diameter",
@@ -44,6 +49,12 @@ def sizesOf(stent):
 def detailsOf(stent):
     """Device, balloon, kept end and shape of a stent, as the library's `StentDetails`."""
     return read_details(stent.details)
+
+
+def landmarkOf(stent):
+    """The library's placement at a lesion or on a branch that is kept; None where there is none of the stent's kind."""
+    kept = read_place(json.loads(stent.landmark), stent.label) if stent.landmark else None
+    return kept if isinstance(kept, KINDS[stent.placement]) else None
 
 
 def lengthOf(stent):

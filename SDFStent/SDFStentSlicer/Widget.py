@@ -20,6 +20,7 @@ from .LowWindow import LowWindow
 from .PanelParts import GuiBinding, PanelSize
 from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
+from .PlaceSection import PlaceSection
 from .PlanTable import PlanTable
 from .Portions import SteppedRun
 from .RecoilRule import RecoilRule
@@ -88,6 +89,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             kind(self.ui, self.logic, self._attempt)
             for kind in (
                 HistoryButtons,
+                PlaceSection,
                 DeviceSection,
                 ShapeSection,
                 FlowSection,
@@ -216,6 +218,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._requestUpdate()
 
     def _showSections(self):
+        self.logic.followLandmarks(self._parameterNode)
         self.logic.giveWay(self._parameterNode)
         for section in (*self.sections, self.plans, self.views, self.ends):
             section.show(self._parameterNode)
@@ -241,6 +244,8 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         handles = [values["handle"] for values in self.stents.values()]
         if handle in handles and handle is not handles[self._parameterNode.selected]:
             self.stents.select(handles.index(handle))
+        if handle in handles:
+            self._attempt(lambda: self.logic.freePlace(self._parameterNode))
         self.ui.stentTable.setFocus()
 
     def onHandleReleased(self, handle):

@@ -15,6 +15,7 @@ from .devices import device_table as device_table
 from .devices import read_profile as read_profile
 from .document import INPUTS as INPUTS
 from .document import POINT_PLACEMENTS as POINT_PLACEMENTS
+from .document import placement_document as placement_document
 from .document import plan_schema as plan_schema
 from .document import plan_text as plan_text
 from .document import save_plan as save_plan
@@ -38,6 +39,7 @@ from .plan import plan_of_method as plan_of_method
 from .plan import turned as turned
 from .reader import load_plan as load_plan
 from .reader import plan_from_document as plan_from_document
+from .reader import read_place as read_place
 from .run import PlanResult as PlanResult
 from .run import Today as Today
 from .run import as_read as as_read

@@ -200,7 +200,7 @@ class _StentReader:
         if set(given) == {"stent"}:
             return _named(where, lambda: OfStent(given["stent"]))
         if "lesion" in given or "branch" in given:
-            return _named(where, lambda: _of_vessel(given, where))
+            return _named(where, lambda: read_place(given, where))
         if set(given) == {"axis"}:
             return self._axis(given["axis"], f"{where}.axis")
         if len(given) == 1 and set(given) <= set(POINT_PLACEMENTS):
@@ -239,8 +239,8 @@ class _StentReader:
         return np.array([scaled(item, factor) for item in _each(coordinates, where, number)])
 
 
-def _of_vessel(given: Mapping[str, Any], where: str) -> AtLesion | OnBranch:
-    """A place at a lesion or on a branch."""
+def read_place(given: Mapping[str, Any], where: str) -> AtLesion | OnBranch:
+    """A place at a lesion or on a branch, of `placement_document`; `InputError` for none."""
     first, beside = ("lesion", ("offset",)) if "lesion" in given else ("branch", ALONG)
     others = set(given) - {first, *beside}
     if others:

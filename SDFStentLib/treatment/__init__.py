@@ -9,7 +9,9 @@ from .lesions import TreatedLesion as TreatedLesion
 from .lesions import residual_of as residual_of
 from .lesions import treated_lesions as treated_lesions
 from .lesions import with_known_minima as with_known_minima
+from .places import Landmarks as Landmarks
 from .places import Spot as Spot
+from .places import nearest_place as nearest_place
 from .places import spot_of as spot_of
 from .placing import placement_at as placement_at
 from .preview import Preview as Preview

@@ -50,6 +50,46 @@ class Landmarks(NamedTuple):
         )
 
 
+    def along(self, placement: OnBranch) -> float:
+        """How far along its branch a place is, mm; errors as of `branch`."""
+        if placement.distance is not None:
+            return placement.distance
+        assert placement.fraction is not None
+        start, end = self._ends(self.branch(placement.branch))
+        return placement.fraction * (end - start)
+
+    def _ends(self, branch: int) -> tuple[float, float]:
+        """Arc lengths at which a branch begins and ends."""
+        start, end = self.centerline.arc_length[self.centerline.branches[branch][[0, -1]]]
+        return float(start), float(end)
+
+    def nearest_lesion(self, point: Points | None) -> AtLesion:
+        """At the lesion nearest to a point (3,), or the first one; `InputError` for none."""
+        self.lesion(1)
+        if point is None:
+            return AtLesion(1)
+        away = [float(one.line.nearest(point[None]).distances[0]) for one in self.lesions]
+        return AtLesion(1 + int(np.argmin(away)))
+
+    def nearest_on_branch(self, point: Points | None) -> OnBranch:
+        """Where a point (3,) is on its branch, to a tenth of a mm; halfway on the first without."""
+        if point is None:
+            return OnBranch(1, fraction=0.5)
+        place, tree = self.centerline.project(point), self.centerline
+        branch = next(k for k, nodes in enumerate(tree.branches) if place.index in nodes[1:])
+        start, end = self._ends(branch)
+        return OnBranch(branch + 1, round(min(max(place.arc_length - start, 0.0), end - start), 1))
+
+
+def nearest_place(
+    kind: type[OfVessel], among: Landmarks, point: Points | None
+) -> AtLesion | OnBranch:
+    """The place of a kind, `AtLesion` or `OnBranch`, that is nearest to a point (3,) or to none."""
+    if kind is AtLesion:
+        return among.nearest_lesion(point)
+    return among.nearest_on_branch(point)
+
+
 class Spot(NamedTuple):
     """The middle of a stent on the centerline."""
 
