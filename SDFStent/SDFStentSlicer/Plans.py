@@ -144,6 +144,12 @@ def load(path, parameterNode):
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
     _take(replace(plan, frame=frame), path, parameterNode, {})
     told = []
+    if plan.root is not None or plan.reference:
+        told.append(
+            _(
+                "The plan's own root of the centerline, and its healthy vessel, are left out: here both are found. Lesions may have other numbers."
+            )
+        )
     if plan.flow is not None and plan.flow.wave is not None:
         told.append(_("Of the wave of the plan's flow the mean and the peak are taken."))
     if plan.frame is None:

@@ -49,7 +49,6 @@ class Landmarks(NamedTuple):
             f"branch: expected 1 to {count} or one of {', '.join(names)}, got {wanted!r}."
         )
 
-
     def along(self, placement: OnBranch) -> float:
         """How far along its branch a place is, mm; errors as of `branch`."""
         if placement.distance is not None:
