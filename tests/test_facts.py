@@ -90,6 +90,19 @@ def test_a_number_of_details_is_told_in_report_and_table_only(result, monkeypatc
     assert [door for door, is_shown in shown.items() if is_shown] == ["page"]
 
 
+def test_a_value_that_treatment_does_not_change_can_be_told_at_a_glance(result, monkeypatch):
+    known = stents.lumen_facts
+    fact = size("trial_mm", "Trial number", 1.234, level=GLANCE, column="trial_mm")
+    monkeypatch.setattr(stents, "lumen_facts", lambda treated: [*known(treated), fact])
+    told = told_everywhere(result)
+    assert "<td>Trial number</td><td>1.23 mm</td>" in told["page"]
+    assert "Trial number: 1.23 mm." in told["short"]
+    assert "Trial number: 1.23 mm." in told["verbose"]
+    assert Tile("Trial number", "1.2 mm", "") in told["tiles"]
+    assert "Trial number 1.2 mm" in told["at hand"]
+    assert told["side by side"].count("<p>1.23 mm</p>") == 2
+
+
 def test_of_several_stents_a_tile_has_the_worst(result, monkeypatch):
     known = stents.lumen_facts
     (stent,) = result.told.stents

@@ -23,6 +23,7 @@ from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import polydata_from_arrays
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, run_plan, treatment_of
 from SDFStentLib.report import (
+    Facts,
     Report,
     document_json,
     plan_report,
@@ -30,7 +31,6 @@ from SDFStentLib.report import (
     write_report,
     write_report_figure,
 )
-from SDFStentLib.report.changes import setting_rows
 from SDFStentLib.report.html import html_page
 from SDFStentLib.report.lesions import treated_lesion_facts
 from SDFStentLib.report.picture.drawing import Stroke
@@ -252,13 +252,19 @@ def test_headings_name_the_stent_and_its_number_in_the_plan(result, sections):
 
 
 def test_the_page_is_well_formed_loads_nothing_escapes_names_and_tells_files_in_words(sections):
-    sections["inputs"][0] |= {"file": "a & b.vtp", "sha256": "0f", "triangles": 12000}
+    told = {"file": "a & b.vtp", "sha256": "0f"}
+    (surface, *others) = sections["inputs"]
+    renamed = Facts(
+        one._replace(after=told[one.key], words=told[one.key]) if one.key in told else one
+        for one in surface
+    )
+    sections["inputs"] = [renamed, *others]
     page = html_page(sections)
     reader = PageReader(page)
     assert reader.loads == reader.open == []
     assert "<h3>Surface</h3>" in page
     for words in (
-        *("main <3", "a & b.vtp", "SHA-2560f", "Triangles12\N{THIN SPACE}000"),
+        *("main <3", "a & b.vtp", "SHA-2560f"),
         "Framenot said by the file",
     ):
         assert words in reader.text
@@ -443,12 +449,14 @@ def test_the_page_tells_coordinates_in_mm_and_as_the_file_has_them(in_cm: PlanRe
 
 def test_every_parameter_of_the_method_is_told_lengths_in_mm(in_cm: PlanResult) -> None:
     document = plan_report(in_cm).sections
-    rows = dict(setting_rows(document["settings"]))
+    rows = dict(document["settings"].rows())
     assert rows["Tissue gap"] == "0.5 mm"
     assert rows["Step"] == "chosen by the rule"
     assert rows["Untangle"] == "yes"
     assert len(rows) == len(fields(DeploymentSettings)) + 1
-    lengths = {key.removesuffix("_mm") for key in document["settings"] if key.endswith("_mm")}
+    lengths = {
+        key.removesuffix("_mm") for key in document["settings"].as_dict() if key.endswith("_mm")
+    }
     assert lengths == {
         name for name, one in DeploymentSettings.parameters().items() if one.unit == "mm"
     }

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from .branches import ALL_ROUND, CONTACT, NONE_NEAR, again_words
-from .changes import stretch_words
 from .facts import COMPARED, Facts
 from .flow import flow_rows, stents_in
 from .html import certificate_sentence
@@ -188,7 +187,7 @@ def _contact(document: Section, stent: Facts) -> str:
 
 
 def _stretch(document: Section) -> Lines:
-    return (stretch_words(document["changes"]),)
+    return (document["changes"].named("area_ratio").words,)
 
 
 def _flow(document: Section) -> Lines:

@@ -1,8 +1,9 @@
-"""How a result was made, and what became of the surface's triangles: in documents and words."""
+"""How a result was made: of which files, by which settings, and what became of the triangles."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,75 +12,105 @@ from ..geometry import NamedFaces
 from ..lumen import triangle_sizes
 from ..plan import PlanResult, method_parameters
 from ..validation import Floats, Indices
-from .words import UNKNOWN, number_text, plain_label, plain_text
-
-_SIZES = (
-    ("edge_length_mm", "Their edges", " mm", 2),
-    ("smallest_angle_deg", "Their smallest angles", "\N{DEGREE SIGN}", 1),
-)
+from .facts import Fact, Facts
+from .words import UNKNOWN, number_text, plain_label, plain_text, point_words
 
 
-def settings_section(result: PlanResult) -> dict[str, Any]:
-    """The parameters of the method, lengths with unit; a function by its name."""
-    section: dict[str, Any] = {}
-    parameters = method_parameters()
-    for name, value in result.plan.method.items():
-        unit = f"_{parameters[name].unit}" * bool(parameters[name].unit)
-        section[name + unit] = (
-            getattr(value, "__name__", "a function") if callable(value) else value
+def input_facts(result: PlanResult) -> list[Facts]:
+    """Of every input file: what it is, and which one."""
+    surface, line_file = result.inputs.surface, result.inputs.line_file
+    found = [
+        Facts(
+            (
+                *_file("surface", os.fspath(surface.path), surface.sha256),
+                _counted("points", len(surface.points)),
+                _counted("triangles", surface.surface.made_of),
+                *_space(surface.units, surface.frame),
+            )
         )
-    return section
+    ]
+    if line_file is not None:
+        root = result.inputs.vessel.root
+        words = UNKNOWN if root is None else point_words(root.tolist(), line_file.units)
+        label = "Root, its proximal end (x, y, z)"
+        found.append(
+            Facts(
+                (
+                    *_file("centerline", os.fspath(line_file.path), line_file.sha256),
+                    _counted("points", len(line_file.points)),
+                    _counted("lines", len(line_file.lines)),
+                    *_space(line_file.units, line_file.file_frame),
+                    Fact("root_mm", label, after=root, words=words),
+                )
+            )
+        )
+    axes = [one.axis_file for one in result.plan.stents if one.axis_file is not None]
+    return [*found, *(Facts(_file("axis", one.path, one.sha256)) for one in axes)]
 
 
-def change_section(result: PlanResult) -> dict[str, Any]:
+def _file(role: str, path: str, sha256: str | None) -> Iterator[Fact]:
+    yield Fact("role", after=role)
+    yield Fact("file", "File", after=path, words=path)
+    yield Fact("sha256", "SHA-256", after=sha256, words=sha256 or UNKNOWN)
+
+
+def _counted(key: str, count: int) -> Fact:
+    return Fact(key, plain_label(key), after=count, words=plain_text("", count))
+
+
+def _space(units: str, frame: str | None) -> Iterator[Fact]:
+    yield Fact("units", "Unit of the file", after=units, words=units)
+    yield Fact("frame", "Frame", after=frame, words=frame or "not said by the file")
+
+
+def setting_facts(result: PlanResult) -> Facts:
+    """The parameters of the method, lengths with unit; a function by its name."""
+    parameters = method_parameters()
+    return Facts(
+        _setting(name, parameters[name].unit, value) for name, value in result.plan.method.items()
+    )
+
+
+def _setting(name: str, unit: str, value: Any) -> Fact:
+    value = getattr(value, "__name__", "a function") if callable(value) else value
+    key = f"{name}_{unit}" if unit else name
+    words = "chosen by the rule" if value is None else plain_text(key, value)
+    if isinstance(value, float):
+        words = f"{value:g}{' mm' if unit == 'mm' else ''}"
+    return Fact(key, plain_label(key), after=value, words=words)
+
+
+def change_facts(result: PlanResult) -> Facts:
     """What moved, and how large its triangles were and are."""
+    return Facts(_changes(result))
+
+
+def _changes(result: PlanResult) -> Iterator[Fact]:
     before, after = result.inputs.surface.surface, result.treatment.surface
     has_moved = np.zeros(len(before.points), dtype=bool)
     has_moved[result.treatment.indices] = True
     faces = np.flatnonzero(has_moved[before.triangles].any(axis=1))
+    for key, label, moved, whole in (
+        ("points", "Points", int(has_moved.sum()), len(before.points)),
+        ("triangles", "Triangles with a corner", len(faces), len(before.triangles)),
+    ):
+        words = f"{plain_text('', moved)} of {plain_text('', whole)}"
+        yield Fact(f"moved_{key}", f"{label} that moved", after=moved, words=words)
+        yield Fact(key, after=whole)
     old, new = (triangle_sizes(one.points, one.triangles[faces]) for one in (before, after))
-    return {
-        "moved_points": int(has_moved.sum()),
-        "points": len(before.points),
-        "moved_triangles": len(faces),
-        "triangles": len(before.triangles),
-        "edge_length_mm": {"before": _spread(old.edge_length), "after": _spread(new.edge_length)},
-        "smallest_angle_deg": {
-            "before": _spread(old.smallest_angle),
-            "after": _spread(new.smallest_angle),
-        },
-        "area_ratio": _spread(result.treatment.stretch.area[faces]),
-        "faces": _changed_faces(result.inputs.surface.faces, faces),
-    }
-
-
-def setting_rows(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Name and value of every parameter."""
-    return [(plain_label(key), _setting(key, value)) for key, value in settings.items()]
-
-
-def change_rows(changes: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Name and value of what became of the surface."""
-    rows = [
-        (f"{words} that moved", f"{plain_text('', moved)} of {plain_text('', whole)}")
-        for words, moved, whole in (
-            ("Points", changes["moved_points"], changes["points"]),
-            ("Triangles with a corner", changes["moved_triangles"], changes["triangles"]),
-        )
-    ]
-    for key, words, unit, digits in _SIZES:
-        old, new = (_range(changes[key][when], unit, digits) for when in ("before", "after"))
-        rows.append((words, f"{old} before; {new} after"))
-    rows.append(("Their area, after over before", stretch_words(changes)))
-    if changes["faces"] is not None:
-        told = "; ".join(map(_face, changes["faces"])) or "none"
-        rows.append(("Face ids of which something moved", told))
-    return rows
-
-
-def stretch_words(changes: Mapping[str, Any]) -> str:
-    """How much larger the triangles are that moved: area after over before."""
-    return _range(changes["area_ratio"], "", 2)
+    for key, name, label, unit, digits in (
+        ("edge_length_mm", "edge_length", "Their edges", " mm", 2),
+        ("smallest_angle_deg", "smallest_angle", "Their smallest angles", "\N{DEGREE SIGN}", 1),
+    ):
+        was, is_now = (_spread(getattr(one, name)) for one in (old, new))
+        words = f"{_range(was, unit, digits)} before; {_range(is_now, unit, digits)} after"
+        yield Fact(f"{key}.{{}}", label, was, is_now, words=words)
+    ratio = _spread(result.treatment.stretch.area[faces])
+    label = "Their area, after over before"
+    yield Fact("area_ratio", label, after=ratio, words=_range(ratio, "", 2))
+    parts = _changed_faces(result.inputs.surface.faces, faces)
+    words = "" if parts is None else "; ".join(map(_face, parts)) or "none"
+    yield Fact("faces", "Face ids of which something moved", after=parts, words=words)
 
 
 def _changed_faces(parts: NamedFaces | None, moved: Indices) -> list[dict[str, Any]] | None:
@@ -119,9 +150,3 @@ def _range(spread: Mapping[str, float | None], unit: str, digits: int) -> str:
         number_text(spread[key], digits) for key in ("smallest", "median", "largest")
     )
     return f"{low} to {high}{unit}, median {middle}{unit}"
-
-
-def _setting(key: str, value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:g}{' mm' if key.endswith('_mm') else ''}"
-    return "chosen by the rule" if value is None else plain_text(key, value)

@@ -138,7 +138,7 @@ def _sheets(things: Sequence[Any]) -> list[Sequence[Any]]:
 def _of_which_vessel(alternatives: Iterable[Mapping[str, Any]]) -> str:
     """The file of the surface."""
     report = next(one["report"] for one in alternatives if one["report"] is not None)
-    return str(report.sections["inputs"][0]["file"]).replace("\\", "/").split("/")[-1]
+    return str(report.sections["inputs"][0].value("file")).replace("\\", "/").split("/")[-1]
 
 
 def _table(alternatives: Sequence[Mapping[str, Any]]) -> str:

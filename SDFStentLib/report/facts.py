@@ -14,8 +14,8 @@ import numpy as np
 from .words import UNKNOWN, millimeters, number_text
 
 GLANCE, COMPARED, LINES, DETAILS = LEVELS = range(4)
-"""Where a fact is told first: on tiles and beside the stent, beside those of other plans, in the
-lines of shell and panel, in the report. It is told in all later ones, too."""
+"""Where a fact is told first: at a glance, on tiles and beside the stent; in the comparison of
+plans; in the lines of shell and panel; in the report only. It is told in all later places, too."""
 
 
 class Fact(NamedTuple):
@@ -23,28 +23,28 @@ class Fact(NamedTuple):
 
     key: str = ""
     """Its place in a document: names from the outside in, between dots; `{}` is before or after.
-    With a line in front it has none there."""
+    A fact whose key begins with an underscore is in no document."""
     label: str = ""
-    """What it is called. Without one it is a sentence, or for programs only."""
+    """What it is called. A fact without a label is a sentence, or is for programs only."""
     before: Any = None
     """None where treatment does not change it, NaN where it is not known."""
     after: Any = None
     unit: str = ""
     words: str = ""
-    """The value as a reader wants it, with its unit where it has one; all of a sentence."""
+    """The value after treatment as a reader wants it, with its unit; or the whole sentence."""
     was: str = ""
-    """The value before."""
+    """The value before treatment in words, empty where treatment does not change it."""
     level: int = DETAILS
     note: str = ""
     """What follows the values in a line."""
     column: str = ""
-    """In a table with a row per result; `{}` is before or after, of a place x, y or z."""
+    """Its column in a table with a row per result; `{}` is before or after, of a place x, y, z."""
     short: str = ""
-    """What it is called beside the stent,"""
+    """Its name in the lines beside the stent, where that is not its label,"""
     tile: str = ""
-    """and on its tile, where that is not its label."""
+    """and on its tile."""
     worst: Callable[..., Any] = min
-    """Of several."""
+    """Which of several stents a tile tells: that with the smallest value, or the largest, `max`."""
 
     @property
     def change(self) -> str:
@@ -138,7 +138,7 @@ class Facts(tuple[Fact, ...]):
         ]
 
     def at(self, level: int) -> list[Fact]:
-        """What is told at a level and at those before it: sentences and what has a label."""
+        """What is told at a level and at those before it."""
         return [one for one in self if one.level <= level and one.words]
 
     @property

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .branches import apposition_table, branch_table
-from .changes import change_rows, setting_rows
 from .diameters import ERROR
 from .facts import LEVELS, LINES, Facts
 from .flow import flow_part
@@ -15,7 +14,7 @@ from .markup import beginning, heading, page, paragraph, picture, table
 from .picture.drawing import svg
 from .picture.plot import stent_plot
 from .stents import stent_titles
-from .words import input_rows, number_text, plain, plain_label
+from .words import number_text, plain, plain_label
 
 Section = Mapping[str, Any]
 
@@ -47,10 +46,10 @@ def html_page(sections: Section, image: bytes | str | None = None) -> str:
         "<div class='details'>",
         *(part for title, stent in named for part in _planned(title, stent)),
         heading("Surface"),
-        table(change_rows(document["changes"]), look="words small"),
+        table(sections["changes"].rows(), look="words small"),
         heading("Method"),
-        table(setting_rows(document["settings"]), look="words small"),
-        *_inputs(document["inputs"], document["timings"]),
+        table(sections["settings"].rows(), look="words small"),
+        *_inputs(sections["inputs"], document["timings"]),
         heading("Definitions"),
         table(document["definitions"].items(), look="small"),
         "</div>",
@@ -120,11 +119,11 @@ def _planned(title: str, stent: Facts) -> list[str]:
     return [heading(f"{title}, as planned"), table(stent.rows(), look="words")]
 
 
-def _inputs(inputs: Sequence[Section], timings: Section) -> list[str]:
+def _inputs(inputs: Sequence[Facts], timings: Section) -> list[str]:
     parts = [heading("Input files")]
-    for entry in inputs:
-        parts += [heading(entry["role"].capitalize(), 3)]
-        parts += [table(input_rows(entry), look="words small file")]
+    for one in inputs:
+        parts += [heading(one.value("role").capitalize(), 3)]
+        parts += [table(one.rows(), look="words small file")]
     times = ", ".join(
         f"{plain_label(key).lower()} {number_text(value, 2)} s" for key, value in timings.items()
     )

@@ -17,7 +17,7 @@ from ..validation import as_path, check_is_a
 from ..version import VERSION
 from ..vessel import SMALLEST_DEGREE
 from .branches import branch_facts, stretch_facts
-from .changes import change_section, settings_section
+from .changes import change_facts, input_facts, setting_facts
 from .flow import flow_section
 from .lesions import residual_facts, treated_lesion_facts
 from .stents import stent_facts
@@ -165,7 +165,7 @@ def plan_report(
         "notice": RESEARCH_USE,
         "sdfstent_version": VERSION,
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-        "inputs": _inputs(result),
+        "inputs": input_facts(result),
         "stents": stents,
         "diameters": stents[0].as_dict()["diameters"],
         "lesions": result.lesions and [treated_lesion_facts(one, units) for one in result.lesions],
@@ -183,41 +183,9 @@ def plan_report(
             caution.sentence(units=units)
             for caution in (*result.warnings, *result.size_warnings, *lost)
         ],
-        "settings": settings_section(result),
-        "changes": change_section(result),
+        "settings": setting_facts(result),
+        "changes": change_facts(result),
         "timings": {f"{name}_s": taken for name, taken in seconds.items()},
         "definitions": DEFINITIONS,
     }
     return Report(sections, picture)
-
-
-def _inputs(result: PlanResult) -> list[dict[str, Any]]:
-    surface, line_file = result.inputs.surface, result.inputs.line_file
-    found: list[dict[str, Any]] = [
-        {
-            "role": "surface",
-            "file": os.fspath(surface.path),
-            "sha256": surface.sha256,
-            "points": len(surface.points),
-            "triangles": surface.surface.made_of,
-            "units": surface.units,
-            "frame": surface.frame,
-        }
-    ]
-    if line_file is not None:
-        found.append(
-            {
-                "role": "centerline",
-                "file": os.fspath(line_file.path),
-                "sha256": line_file.sha256,
-                "points": len(line_file.points),
-                "lines": len(line_file.lines),
-                "units": line_file.units,
-                "frame": line_file.file_frame,
-                "root_mm": result.inputs.vessel.root,
-            }
-        )
-    for stent in result.plan.stents:
-        if (file := stent.axis_file) is not None:
-            found.append({"role": "axis", "file": file.path, "sha256": file.sha256})
-    return found

@@ -74,7 +74,7 @@ def stent_lines(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) ->
     told = [
         f"{one}." if one.label else str(one)
         for one in stent_facts(stent, lesions).at(LINES)
-        if (one.was and one.is_known) or not one.label
+        if not one.label or ((one.was or one.level == GLANCE) and one.is_known)
     ]
     return [*told, *stent_lesion_sentences(lesions, stent.number)]
 

@@ -17,17 +17,6 @@ from ..validation import InputError
 UNKNOWN = "not known"
 RESEARCH_USE = "Research use only, not a medical device."
 
-_INPUT_WORDS = {
-    "file": "File",
-    "sha256": "SHA-256",
-    "points": "Points",
-    "triangles": "Triangles",
-    "lines": "Lines",
-    "units": "Unit of the file",
-    "frame": "Frame",
-    "root_mm": "Root, its proximal end (x, y, z)",
-}
-
 
 def document_json(document: Mapping[str, Any]) -> str:
     """Values as JSON text; numbers that are not known are `null`, never NaN."""
@@ -57,20 +46,6 @@ def plain(value: Any, name: str = "document") -> Any:
         f"{name}: expected numbers, texts, lists and mappings, got {type(value).__name__}; "
         "give plain values to the report."
     )
-
-
-def input_rows(entry: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Name and value of everything about an input file but its role."""
-    rows = []
-    for key, words in _INPUT_WORDS.items():
-        if key in entry:
-            text = plain_text(key, entry[key])
-            if key == "root_mm" and entry[key] is not None:
-                text = point_words(entry[key], entry["units"])
-            if key == "frame" and entry[key] is None:
-                text = "not said by the file"
-            rows.append((words, text))
-    return rows
 
 
 def plain_label(key: str) -> str:
