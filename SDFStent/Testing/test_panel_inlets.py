@@ -112,7 +112,9 @@ def test_pressure_and_power_from_each_caval_vein_are_told_as_the_library_has_the
     index = [1.2**2 * power / (1060 * 0.05**3) for power in powers]
     assert f"indexed {index[0]:.3g} -> {index[1]:.3g}" in ui.lumenLabel.text
     tile = next(one for one in tilesOf(aFontan._parameterNode) if one.name == "Power lost")
-    assert tile[1:3] == (f"{1e3 * powers[1]:.1f} mW", f"before {1e3 * powers[0]:.1f} mW")
+    assert tile.value == f"{1e3 * powers[1]:.1f} mW"
+    told = f"before {1e3 * powers[0]:.1f} mW; indexed {index[0]:.3g} -> {index[1]:.3g}"
+    assert tile.beneath == told
 
 
 def test_inlets_are_saved_and_read_and_the_shell_has_the_same_numbers(host, aFontan, tmp_path):
