@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from panel_helpers import deploy, saveAsFile, settle
 
@@ -200,6 +201,37 @@ def test_an_inlet_of_a_plan_that_is_no_end_can_be_taken_away(host, aFontan, tmp_
     assert "At the mean flow of 30 mL/s" in ui.lumenLabel.text
 
 
+def test_waves_of_inlets_of_a_plan_stay_with_them_when_their_flow_is_changed(
+    host, aFontan, tmp_path
+):
+    from SDFStentLib.flow import Inflow, Wave, known_flow
+    from SDFStentLib.plan import Plan, load_plan, save_plan
+
+    time = (0.0, 0.2, 0.5, 0.8)
+    waves = [Wave(time, flow) for flow in ((10, 60, 15, 10), (5, 30, 40, 5))]
+    inlets = [Inflow(name, one.mean, one) for name, one in zip(CAVAL, waves, strict=True)]
+    path, again = tmp_path / "plan.json", tmp_path / "again.json"
+    logic, parameters, ui = aFontan.logic, aFontan._parameterNode, aFontan.ui
+    logic.savePlan(path, parameters)
+    save_plan(
+        Plan(load_plan(path).stents, frame="RAS", flow=known_flow(inlets=tuple(inlets))), path
+    )
+    logic.loadPlan(path, parameters)
+    ui.flowCollapsibleButton.collapsed = False
+    choose(host, ui, CAVAL[1])
+    ui.inletFlowSpinBox.value = 0.9
+    logic.savePlan(again, parameters)
+    flow = load_plan(again).flow
+    first, second = flow.inlets
+    assert first.mean == pytest.approx(waves[0].mean, rel=1e-3)
+    assert first.wave.flow == pytest.approx(waves[0].flow, rel=1e-3)
+    assert second.mean == pytest.approx(15.0)
+    assert second.wave.flow == pytest.approx([15 / waves[1].mean * one for one in waves[1].flow])
+    assert flow.mean == pytest.approx(first.mean + 15.0)
+    both = [one.at(np.array(flow.wave.time)) for one in flow.inlets]
+    assert flow.wave.flow == pytest.approx(np.sum(both, axis=0))
+
+
 def test_a_flow_beyond_the_usual_is_asked_about_and_carried_out_once_it_is_meant(host, aFontan):
     ui = aFontan.ui
     ui.flowMeanSpinBox.value = 30.0
@@ -214,8 +246,6 @@ def test_a_flow_beyond_the_usual_is_asked_about_and_carried_out_once_it_is_meant
 
 def test_an_end_at_which_lines_begin_is_closed_as_in_the_shell(host, aFontan):
     """Lines from either caval vein to both arteries, as VMTK makes them of two sources."""
-    import numpy as np
-
     from SDFStentLib.files import polydata_from_lines
 
     parameters = aFontan._parameterNode
