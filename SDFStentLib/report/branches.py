@@ -23,8 +23,8 @@ def again_words(number: int | None) -> str:
 
 
 def beside_facts(stent: TreatedStent) -> Iterator[Fact]:
-    """What lies beside a stent: of its branches the one that is covered most, and the one that
-    lost most; and the wall that it does not touch."""
+    """What lies beside a stent: its branches, of which a table has the one that is covered most and
+    the one that lost most, and the wall that the stent does not touch."""
     names, found = [one.name for one in stent.branches], stent.apposition
     yield Fact(after=math.nan if found is None else found.free_length, column="free_length_mm")
     yield Fact(after="; ".join(names), column="branches")

@@ -87,7 +87,7 @@ def prescribed_words(treated: TreatedStent) -> str:
 
 
 def lumen_facts(treated: TreatedStent) -> Iterator[Fact]:
-    """How wide the vessel was along it and is, over its length and beyond its ends."""
+    """How wide the vessel was and is along a stent, over its length and beyond its ends."""
     before, after, own = treated.before, treated.after, treated.before.arc_length
     narrow, over = "diameters.minimum_lumen", "diameters.over_stented_length"
     wanted = prescribed_diameters(treated.stent, treated.axis, own)

@@ -21,7 +21,7 @@ from .changes import change_facts, input_facts, setting_facts
 from .flow import flow_section
 from .lesions import residual_facts, treated_lesion_facts
 from .stents import stent_facts
-from .summary import today_section
+from .summary import today_facts
 from .words import RESEARCH_USE, document_json, plain
 
 SCHEMA = "sdfstent-report"
@@ -169,7 +169,7 @@ def plan_report(
         "stents": stents,
         "diameters": stents[0].as_dict()["diameters"],
         "lesions": result.lesions and [treated_lesion_facts(one, units) for one in result.lesions],
-        "today": today_section(result.today),
+        "today": result.today and today_facts(result.today),
         "left": result.residual and residual_facts(result.residual),
         "flow": None if result.flow is None else flow_section(result.flow),
         "certificate": judged,

@@ -10,6 +10,7 @@ from ..files import MeshComplete
 from ..segment import Segment
 from ..treatment import ExtractedSegment
 from ..units import MILLIMETERS, Frame
+from .facts import LINES, Fact, Facts
 from .words import RESEARCH_USE, document_json
 
 SUMMARY = "segment.json"
@@ -71,8 +72,8 @@ def segment_document(found: ExtractedSegment, inputs: Mapping[str, Any]) -> dict
             }
             for plane in found.planes
         ],
-        "before": _section(found.before),
-        "after": None if found.after is None else _section(found.after),
+        "before": segment_facts(found.before),
+        "after": found.after and segment_facts(found.after),
     }
 
 
@@ -82,35 +83,36 @@ def segment_sentences(found: ExtractedSegment) -> list[str]:
     said = [f"Closed {len(closed)} of its branches: {'; '.join(closed)}."] if closed else []
     for name, segment in (("Before", found.before), ("After", found.after)):
         if segment is not None:
-            said += [f"{name}: {sentence}" for sentence in _state_sentences(segment)]
+            said += [f"{name}: {sentence}" for sentence in segment_facts(segment).sentences]
     return said
 
 
-def _state_sentences(segment: Segment) -> list[str]:
+def segment_facts(segment: Segment) -> Facts:
+    """What is known of a segment in one state, with two sentences on it."""
     caps = [face for face in segment.faces if face.kind != "wall"]
     ends = ", ".join(f"{face.name} {face.area / _SCALE**2:.3f} cm2" for face in caps)
-    return [
-        f"{segment.volume / _SCALE**3:.2f} cm3 of lumen; {ends}.",
-        f"{len(segment.surface.points)} points, {len(segment.surface.triangles)} triangles; "
-        "watertight, no self-intersection.",
+    volume = segment.volume / _SCALE**3
+    points, triangles = len(segment.surface.points), len(segment.surface.triangles)
+    sound = f"{points} points, {triangles} triangles; watertight, no self-intersection."
+    faces = [
+        {
+            "id": face.number,
+            "name": face.name,
+            "kind": face.kind,
+            "file": f"mesh-surfaces/{face.name}.vtp",
+            "area": face.area / _SCALE**2,
+            "center": face.center / _SCALE,
+            "normal": face.normal,
+        }
+        for face in segment.faces
     ]
-
-
-def _section(segment: Segment) -> dict[str, Any]:
-    return {
-        "volume": segment.volume / _SCALE**3,
-        "points": len(segment.surface.points),
-        "triangles": len(segment.surface.triangles),
-        "faces": [
-            {
-                "id": face.number,
-                "name": face.name,
-                "kind": face.kind,
-                "file": f"mesh-surfaces/{face.name}.vtp",
-                "area": face.area / _SCALE**2,
-                "center": face.center / _SCALE,
-                "normal": face.normal,
-            }
-            for face in segment.faces
-        ],
-    }
+    return Facts(
+        (
+            Fact("volume", after=volume),
+            Fact("points", after=points),
+            Fact("triangles", after=triangles),
+            Fact("faces", after=faces),
+            Fact(words=f"{volume:.2f} cm3 of lumen; {ends}.", level=LINES),
+            Fact(words=sound, level=LINES),
+        )
+    )

@@ -68,7 +68,7 @@ def stent_facts(
 
 
 def measured_facts(treated: TreatedStent) -> Facts:
-    """What came of one treated stent, of those: how wide it is, and what lies beside it."""
+    """The facts on what came of a treated stent: its lumen, and what lies beside it."""
     return Facts((*lumen_facts(treated), *beside_facts(treated)))
 
 
@@ -106,7 +106,7 @@ def _sizes(treated: TreatedStent, covered: Sequence[TreatedLesion]) -> Iterable[
 
 
 def _shape(treated: TreatedStent) -> Iterable[Fact]:
-    """What makes it no cylinder, with the profile that came of it; null for a cylinder."""
+    """The shape of a stent that is no cylinder, with its profile; null for a cylinder."""
     shape, profile = treated.stent.shape, treated.axis.profile
     if shape is None or profile is None:
         yield Fact("shape")
@@ -154,7 +154,7 @@ def _lengths(treated: TreatedStent) -> Iterable[Fact]:
 
 
 def _place(treated: TreatedStent, units: str, frame: str | None) -> Iterable[Fact]:
-    """How it was placed, and where it lies: points in mm and as in the file, to find them there."""
+    """How the stent was placed, and where it lies: points in mm, and as the file has them."""
     axis, kind = treated.axis, type(treated.stent.placement).__name__
     yield Fact("placement", "Placed", after=kind, words=PLACEMENTS[kind])
     where = f"x, y, z{f', {frame}' if frame else ''}"
@@ -191,7 +191,7 @@ def _bend_words(radius: float, diameter: float, length: float) -> str:
 
 
 def _reach(treated: TreatedStent, covered: Lesions) -> Iterable[Fact]:
-    """What it moved, and the lesions that it covers."""
+    """The points that the stent moved, and the lesions that it covers."""
     moved = treated.moved_points
     label = "Surface points that it moved"
     yield Fact("moved_points", label, after=moved, words=plain_text("", moved))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..plan import PlanResult, Today
 from ..treatment import (
@@ -16,7 +16,7 @@ from ..treatment import (
     label_of,
 )
 from .branches import CONTACT, NONE_NEAR, contact_words
-from .facts import GLANCE, LINES, Facts
+from .facts import GLANCE, LINES, Fact, Facts
 from .flow import flow_line, flow_section, flow_sentences
 from .lesions import (
     COVERS_NONE,
@@ -45,7 +45,7 @@ def deployment_summary(result: PlanResult) -> Summary:
     stents = result.told.stents
     facts = {one.number: stent_facts(one, result.lesions) for one in stents}
     lines = [
-        *today_sentences(result.today),
+        *(today_facts(result.today).sentences if result.today else ()),
         *_at_a_glance([facts[one.number] for one in _final(stents)], len(stents) > 1),
         _stenosis(result.lesions, result.residual),
         *_told(stents, result),
@@ -59,7 +59,7 @@ def deployment_summary(result: PlanResult) -> Summary:
 
 def deployment_sentences(result: PlanResult) -> Iterator[str]:
     """All that is known of every stent, as the report has it."""
-    yield from today_sentences(result.today)
+    yield from today_facts(result.today).sentences if result.today else ()
     for stent in result.told.stents:
         label = label_of(result.plan.stents, stent.number)
         yield from (label + line for line in stent_lines(stent, result.lesions))
@@ -163,43 +163,37 @@ def _kind(what: str, names: Sequence[str]) -> Iterable[str]:
     return [f"{len(names)} {what}: {_listed(names)}"] if names else []
 
 
-def today_sentences(today: Today | None) -> list[str]:
-    """Lumen and stenosis before a stent is dilated again; none for a plan without a redilation."""
-    if today is None:
-        return []
-    lumens = [
+def today_facts(today: Today) -> Facts:
+    """Lumen and stenosis before a stent is dilated again, with a sentence on both."""
+    covered = [one for one in today.lesions or () if one.stents]
+    lumens = ", ".join(
         f"stent {number} {UNKNOWN if math.isnan(width) else f'{width:.2f} mm'}"
         for number, width in today.minimum_lumen.items()
+    )
+    degrees = "; ".join(map(degree_change, covered))
+    stenosis = f"; stenosis by diameter: {degrees}" if degrees else ""
+    sentence = (
+        f"Today, before the redilation as stent {today.redilation}: narrowest lumen {lumens}"
+        f"{stenosis}. All else is of the later result."
+    )
+    lesions = [
+        {
+            "number": one.number,
+            "stents": list(one.stents),
+            "minimum_diameter_mm": one.after.minimum_diameter,
+            "percent_diameter": one.after.percent_diameter,
+        }
+        for one in covered
     ]
-    degrees = [degree_change(one) for one in today.lesions or () if one.stents]
-    stenosis = f"; stenosis by diameter: {'; '.join(degrees)}" if degrees else ""
-    return [
-        f"Today, before the redilation as stent {today.redilation}: narrowest lumen "
-        f"{', '.join(lumens)}{stenosis}. All else is of the later result."
+    stents = [
+        {"number": number, "minimum_lumen_mm": width}
+        for number, width in today.minimum_lumen.items()
     ]
-
-
-def today_section(today: Today | None) -> dict[str, Any] | None:
-    """The same as values of JSON; null for a plan without a redilation."""
-    if today is None:
-        return None
-    return {
-        "before_stent": today.redilation,
-        "stents": [
-            {"number": number, "minimum_lumen_mm": width}
-            for number, width in today.minimum_lumen.items()
-        ],
-        "lesions": None
-        if today.lesions is None
-        else [
-            {
-                "number": one.number,
-                "stents": list(one.stents),
-                "minimum_diameter_mm": one.after.minimum_diameter,
-                "percent_diameter": one.after.percent_diameter,
-            }
-            for one in today.lesions
-            if one.stents
-        ],
-        "sentences": today_sentences(today),
-    }
+    return Facts(
+        (
+            Fact("before_stent", after=today.redilation),
+            Fact("stents", after=stents),
+            Fact("lesions", after=None if today.lesions is None else lesions),
+            Fact("sentences", after=[sentence], words=sentence, level=LINES),
+        )
+    )
