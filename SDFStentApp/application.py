@@ -1,4 +1,4 @@
-"""A MRML scene with its logics, as Slicer would bring it up, without Qt."""
+"""A MRML scene with its logics, set up as Slicer does it, without Qt."""
 
 from __future__ import annotations
 
@@ -43,8 +43,9 @@ IN_SUBJECT_HIERARCHY = (
 )
 
 
-class Application:
-    """Scene, application logic and module logics. Keep it alive as long as the scene is used."""
+class MrmlApplication:
+    """The scene, the application logic and the module logics. Keep it alive as long as the scene is
+    used."""
 
     def __init__(self) -> None:
         self.folder = tempfile.TemporaryDirectory(prefix="sdfstent-")
@@ -91,9 +92,10 @@ class Application:
 
 
 class ThreeDView:
-    """Draws the scene off screen by Slicer's own displayable managers, and hears of the mouse by an interactor."""
+    """A view that Slicer's own displayable managers draw off screen, and that receives the mouse
+    through an interactor."""
 
-    def __init__(self, application: Application, interactor: Any) -> None:
+    def __init__(self, application: MrmlApplication, interactor: Any) -> None:
         self.node = slicer.vtkMRMLViewNode()
         self.node.SetName("View1")
         self.node.SetLayoutName("1")

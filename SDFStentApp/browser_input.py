@@ -1,7 +1,8 @@
-"""What a browser says of its view and of the mouse over it: passed on only where it can be true of a screen and a hand.
+"""Messages of a browser about its view and the mouse over it, passed on only if a real screen and
+hand can produce them.
 
-VTK believes whatever it is told: a side of 1e9 pixels takes all memory, a camera moved by NaN draws nothing again, and a list in
-the place of a number ends the process.
+VTK believes every message: a side of 1e9 pixels takes all memory, a camera moved by NaN draws
+nothing again, and a list in the place of a number ends the process.
 """
 
 from __future__ import annotations
@@ -11,16 +12,18 @@ from typing import Any
 from trame_rca.view_adapter import RcaViewAdapter
 
 MOST = 16_384
-"""Pixels across, or from the corner: no screen has more. Turns of the wheel and angles are below it as well."""
+"""Largest size of a view and distance from its corner, pixels: no screen has more. Turns of the
+wheel and angles are below it, too."""
 
 RATIOS = (0.1, 10.0)
-"""Of a screen's pixels to those of the page."""
+"""Smallest and largest ratio of a screen's pixels to those of the page."""
 
 FACTORS = (0.01, 100.0)
-"""By which two fingers part or meet; those that began at one place had no distance."""
+"""Smallest and largest factor by which the distance of two fingers changes; fingers that began at
+one place had none."""
 
 UNHEARD = {"LongTap"}
-"""Kinds of events that VTK does not know and complains of."""
+"""Kinds of events that VTK does not know and complains about."""
 
 LONGEST_WORD = 64
 MOST_FINGERS = 20
@@ -31,13 +34,13 @@ WORDS = {"type", "key"}
 
 
 class BrowserInput(RcaViewAdapter):
-    """The view's adapter, which leaves out what cannot be."""
+    """The view's adapter, which leaves out impossible messages."""
 
     def update_size(self, origin: str, size: Any) -> None:
-        told = size if isinstance(size, dict) else {}
-        is_size = all(is_number(told.get(side), 0, MOST) for side in ("w", "h"))
-        if is_size and is_number(told.get("p", 1), *RATIOS):
-            super().update_size(origin, told)
+        sides = size if isinstance(size, dict) else {}
+        is_size = all(is_number(sides.get(side), 0, MOST) for side in ("w", "h"))
+        if is_size and is_number(sides.get("p", 1), *RATIOS):
+            super().update_size(origin, sides)
 
     def on_interaction(self, origin: str, event: Any) -> None:
         known = known_event(event)
@@ -45,11 +48,11 @@ class BrowserInput(RcaViewAdapter):
             super().on_interaction(origin, known)
 
 
-def known_event(told: Any) -> dict[str, Any] | None:
-    """What is known of an event of mouse, keys or fingers; None where anything in it cannot be."""
-    if not isinstance(told, dict) or "type" not in told:
+def known_event(event: Any) -> dict[str, Any] | None:
+    """The known parts of an event of mouse, keys or fingers; None if one of them is impossible."""
+    if not isinstance(event, dict) or "type" not in event:
         return None
-    known = {name: told[name] for name in told if name in CHECKS}
+    known = {name: event[name] for name in event if name in CHECKS}
     is_known = all(CHECKS[name](value) for name, value in known.items())
     return known if is_known and known["type"] not in UNHEARD else None
 

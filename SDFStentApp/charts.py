@@ -1,4 +1,5 @@
-"""Table and plot of the diameters for the page, from the nodes that the module leaves in the scene."""
+"""The table and the plot of the diameters for the page, made from the nodes that the module leaves
+in the scene."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ TABLE_EVERY_MM = 1.0
 
 
 def table_of(node: Any) -> dict[str, Any]:
-    """Columns and rows of the table node, about a row per mm; nothing without one."""
+    """Columns and rows of the table node, about one row per mm; empty without a node."""
     if node is None:
         return {"columns": [], "rows": [], "title": ""}
     columns = _columns(node)
@@ -26,7 +27,8 @@ def table_of(node: Any) -> dict[str, Any]:
 
 
 def plot_of(chart: Any) -> dict[str, Any]:
-    """What the page draws of a chart node: lines in pixels, ticks, words; nothing without one."""
+    """The drawing of a chart node for the page: lines in pixels, ticks, words; empty without a
+    node."""
     size = {"width": WIDTH, "height": HEIGHT}
     if chart is None or chart.GetNumberOfPlotSeriesNodes() == 0:
         nothing = {"lines": [], "across": [], "up": [], "values": []}
@@ -34,8 +36,8 @@ def plot_of(chart: Any) -> dict[str, Any]:
     series = [chart.GetNthPlotSeriesNode(i) for i in range(chart.GetNumberOfPlotSeriesNodes())]
     columns = _columns(series[0].GetTableNode())
     along = columns[series[0].GetXColumnName()]
-    across = _Scale(float(along.min()), float(along.max()), LEFT, WIDTH - RIGHT)
-    up = _Scale(0.0, chart.GetYAxisRange()[1], HEIGHT - BOTTOM, TOP)
+    across = _PixelScale(float(along.min()), float(along.max()), LEFT, WIDTH - RIGHT)
+    up = _PixelScale(0.0, chart.GetYAxisRange()[1], HEIGHT - BOTTOM, TOP)
     return {
         **size,
         "lines": [_line(one, along, columns, across, up) for one in series],
@@ -48,13 +50,15 @@ def plot_of(chart: Any) -> dict[str, Any]:
 
 
 def opacity_of(chart: Any) -> float:
-    """Of its lines: those of a former plan are weak."""
+    """The opacity of the chart's lines: those of a former plan are faint."""
     series = chart.GetNthPlotSeriesNode(0)
     return 1.0 if series is None else series.GetOpacity()
 
 
-def _line(node: Any, along: Any, columns: Any, across: _Scale, up: _Scale) -> dict[str, Any]:
-    """A series; interrupted where it is not known."""
+def _line(
+    node: Any, along: Any, columns: Any, across: _PixelScale, up: _PixelScale
+) -> dict[str, Any]:
+    """One series as a line, interrupted where its values are not known."""
     values = columns[node.GetYColumnName()]
     path, isOpen = [], False
     for x, y in zip(along, values, strict=True):
@@ -68,8 +72,10 @@ def _line(node: Any, along: Any, columns: Any, across: _Scale, up: _Scale) -> di
     return {"name": node.GetYColumnName(), "path": " ".join(path), **drawn}
 
 
-def _values(series: list[Any], along: Any, columns: Any, across: _Scale) -> list[dict[str, Any]]:
-    """What there is to read at every station, and where it is."""
+def _values(
+    series: list[Any], along: Any, columns: Any, across: _PixelScale
+) -> list[dict[str, Any]]:
+    """The text to read at every station, and its place in the plot."""
     names = [node.GetYColumnName() for node in series]
     return [
         {
@@ -86,7 +92,7 @@ def _named(column: str, value: float) -> str:
     return f"{column.partition(' (')[0].lower()} {_text(value) or 'not known'}"
 
 
-class _Scale:
+class _PixelScale:
     """Linear map from values to pixels."""
 
     def __init__(self, low: float, high: float, first: float, last: float) -> None:
@@ -98,7 +104,7 @@ class _Scale:
         return self.first + share * (self.last - self.first)
 
     def ticks(self) -> list[dict[str, Any]]:
-        """Round values within the ends and where they are."""
+        """Round values within the ends, and their places."""
         span = self.high - self.low
         step = next((s for s in STEPS if span / s <= MOST_TICKS), STEPS[-1])
         first = np.ceil(self.low / step) * step
@@ -113,12 +119,12 @@ def _columns(node: Any) -> dict[str, Any]:
 
 
 def _every(along: Any, distance: float) -> list[int]:
-    """Indices of rows about so far apart, the ends included."""
+    """Indices of rows about this distance apart, the ends included."""
     places = np.arange(along[0], along[-1] + distance, distance)
     nearest = np.abs(along[None, :] - places[:, None]).argmin(axis=1)
     return sorted(set(nearest.tolist()))
 
 
 def _text(value: float) -> str:
-    """As the table has it: rounded once more, 4.645 mm would be 4.7."""
+    """The value with two decimals, as in the table: rounded once more, 4.645 mm would be 4.7."""
     return f"{value:.2f}" if np.isfinite(value) else ""

@@ -1,4 +1,5 @@
-"""How a widget of the page shows and returns the value of a parameter, as Slicer's own connectors do."""
+"""Connectors, which show the value of a parameter in a widget of the page and return it, as
+Slicer's own do."""
 
 from __future__ import annotations
 
@@ -8,7 +9,8 @@ from typing import Any
 
 
 class Connector:
-    """Widget on one side, a value on the other; `signal` is what the widget emits when the user changes it."""
+    """Connects a widget with a value; `signal` is what the widget emits when the
+    user changes it."""
 
     signal = attribute = ""
 
@@ -17,7 +19,7 @@ class Connector:
         self._callback: Callable[[], None] | None = None
 
     def onChanged(self, callback: Callable[[], None] | None) -> None:
-        """Call this when the user changes the value; None: nothing any more."""
+        """Call this function when the user changes the value; with None call nothing any more."""
         if self._callback is None and callback is not None:
             self.widget.connect(f"{self.signal}()", self._emit)
         elif callback is None:
@@ -81,7 +83,7 @@ class OfText(Connector):
 
 class OfLabel(OfText):
     def onChanged(self, callback: Callable[[], None] | None) -> None:
-        """A label is only written."""
+        """Do nothing: the user cannot change a label."""
 
 
 class OfNode(Connector):

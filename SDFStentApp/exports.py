@@ -1,4 +1,5 @@
-"""What a page gives away: the plan with its files, the stented surface, the report. As the shell makes them, from the plan."""
+"""The files that a page gives to its user: the plan with its files, the stented surface, the
+report. They are made from the plan, as the commands make them."""
 
 from __future__ import annotations
 
@@ -19,16 +20,16 @@ NAMES = {
     "surface": ("stented.vtp", "application/xml"),
     "report": ("report.html", "text/html"),
 }
-"""The file and its type by what is asked for."""
+"""Name and media type of each file that can be asked for."""
 
 
 def exported(kind: str, plan: Path) -> bytes:
-    """The content of a file of `NAMES`, of a plan document whose files are there."""
+    """The content of a file of `NAMES`, made from a plan document whose files exist."""
     return {"plan": _zipped, "surface": _surface, "report": _report}[kind](load_plan(plan))
 
 
 def _zipped(plan: Plan) -> bytes:
-    """The plan beside its files: to be carried out anywhere, with `sdfstent run`."""
+    """The plan together with its files, which `sdfstent run` can carry out anywhere."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         moved = {}
@@ -45,7 +46,7 @@ def _zipped(plan: Plan) -> bytes:
 
 
 def zipped_folder(folder: Path) -> bytes | None:
-    """All files of a folder; None where there are none."""
+    """All files of a folder as a zip file; None if there are none."""
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:

@@ -1,4 +1,5 @@
-"""Files that a page may open: those in the folders named at the start, and what was named itself."""
+"""Files that a page may open: those in the folders named at the start, and those
+named themselves."""
 
 from __future__ import annotations
 
@@ -30,14 +31,15 @@ SURFACES = READ_SUFFIXES
 CENTERLINES = LINE_INPUTS
 PLANS = (".json",)
 SENT = tuple(dict.fromkeys((*WHOLE_SUFFIXES, *CENTERLINES, *PLANS)))
-"""Ends of files that a browser may send, each once."""
+"""Suffixes of files that a browser may send, without repetitions."""
 
 DEEPEST, MOST = 4, 400
-"""Folders below a named one, and files, that are listed."""
+"""Largest depth of folders below a named one, and largest number of files, that are listed."""
 
 
 class Opened(NamedTuple):
-    """The nodes of a vessel and its centerline, a plan to load, where there is one, and what is odd about the files."""
+    """The nodes of a vessel and its centerline, a plan to load, if there is one, and the cautions
+    about the files."""
 
     vessel: Any
     centerline: Any
@@ -46,13 +48,14 @@ class Opened(NamedTuple):
 
 
 class Uploads:
-    """Files that a browser has sent, in a folder of the page."""
+    """The files that a browser has sent, in a folder of the page."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
     def kept(self, name: Any, content: Any) -> Path:
-        """Keep a file under its own name. Raises `InputError` for what is none that a page can open."""
+        """Keep a file under its own name. Raises `InputError` for a file that a page
+        cannot open."""
         path = self.folder / Path(str(name)).name
         if not ends_in(path, (*SENT, ".csv")):
             raise InputError(
@@ -69,12 +72,13 @@ class Uploads:
 
 
 def ends_in(path: Path, suffixes: tuple[str, ...]) -> bool:
-    """Whether a file has one of some ends, which may have several dots."""
+    """Whether the name of a file ends in one of some suffixes, which may have several dots."""
     return path.name.lower().endswith(suffixes)
 
 
 def has_lines(path: Path) -> bool:
-    """Whether a file is a centerline, by its name or, where that may be a surface's, by what it has."""
+    """Whether a file is a centerline: by its name or, if that may be a surface's, by
+    its content."""
     if not ends_in(path, CENTERLINES):
         return False
     try:
@@ -84,13 +88,14 @@ def has_lines(path: Path) -> bool:
 
 
 class Folders:
-    """The named folders; a file that a link leads out of them is not in them."""
+    """The named folders; a link in them that leads elsewhere does not count as inside."""
 
     def __init__(self, folders: Iterable[str | Path]) -> None:
         self.folders = [Path(folder).resolve() for folder in folders]
 
     def checked(self, path: str | Path) -> Path:
-        """A file that may be opened. Raises `InputError` for one elsewhere, whether it is there or not."""
+        """The resolved path of a file that may be opened. Raises `InputError` for a file elsewhere,
+        whether it exists or not."""
         try:
             found = Path(path).resolve()
             isInside = any(found.is_relative_to(folder) for folder in self.folders)
@@ -104,14 +109,15 @@ class Folders:
         return found
 
     def existing(self, path: str | Path) -> Path:
-        """The same, of a file that is there."""
+        """The resolved path of a file that may be opened and exists; otherwise
+        raises `InputError`."""
         found = self.checked(path)
         if not found.is_file():
             raise InputError(f"{path}: expected a file, got none; check the path.")
         return found
 
     def listing(self, suffixes: tuple[str, ...]) -> list[str]:
-        """The files with such ends that are not too deep, in order."""
+        """The files with one of these suffixes that are not too deep, in order."""
         found = sorted(
             str(path)
             for folder in self.folders
@@ -136,7 +142,8 @@ def _files(folder: Path, depth: int) -> Iterator[Path]:
 
 
 def open_vessel(scene: Any, surface: Path, centerline: Path | None, units: str = "mm") -> Opened:
-    """Read both into the scene, in mm. Raises the library's `InputError` for files that it cannot use."""
+    """Read a surface and its centerline into the scene, in mm. Raises the library's `InputError`
+    for files that it cannot use."""
     files = read_input_files(surface, centerline, units)
     warnings = "\n".join(caution.sentence() for caution in files.warnings)
     vessel = _model(scene, surface, units, files.surface, files.surface.frame)
@@ -147,7 +154,7 @@ def open_vessel(scene: Any, surface: Path, centerline: Path | None, units: str =
 
 
 def open_plan(scene: Any, path: Path, folders: Folders | None) -> Opened:
-    """Read what a plan is for; its files have to be in the `folders` where some are given."""
+    """Read the files that a plan names; if `folders` are given, these files have to be in them."""
     plan = load_plan(path)
     if plan.surface is None:
         raise InputError(
@@ -163,9 +170,10 @@ def open_plan(scene: Any, path: Path, folders: Folders | None) -> Opened:
 def _model(
     scene: Any, path: Path, units: str, file: SurfaceFile | LineFile, frame: Frame | None
 ) -> Any:
-    """A model as Slicer reads it; the same `file` adds what Slicer does not read.
+    """A model as Slicer reads it, completed from `file` by what Slicer does not read.
 
-    The `frame` is that of the surface, in which lines are where one of both files names none.
+    The `frame` is that of the surface; lines are in it, too, if one of the two files names no
+    frame.
     """
     node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(path.stem))
     storage = scene.AddNewNodeByClass("vtkMRMLModelStorageNode")
@@ -185,7 +193,8 @@ def _model(
 
 
 def _complete(node: Any, storage: Any, surface: SurfaceFile, isRead: bool) -> None:
-    """Let a model be a surface as it was read, where Slicer has read none, or not its faces or their names."""
+    """Give a model the surface as the library has read it if Slicer has read none, or not its faces
+    or their names."""
     from SDFStentSlicer import Conversion
 
     faces, polyData = surface.faces, node.GetPolyData() if isRead else None
@@ -207,7 +216,8 @@ def _complete(node: Any, storage: Any, surface: SurfaceFile, isRead: bool) -> No
 
 
 def _take(node: Any, storage: Any, polyData: Any, frame: Frame | None) -> None:
-    """Let a model be what was read from its file, in a frame; as Slicer has it, without one in LPS."""
+    """Give a model the polydata that was read from its file, in this frame; without a frame in LPS,
+    as Slicer takes it."""
     from SDFStentSlicer import Conversion
 
     frame = frame or "LPS"
@@ -217,7 +227,7 @@ def _take(node: Any, storage: Any, polyData: Any, frame: Frame | None) -> None:
 
 
 def _turned(polyData: Any) -> Any:
-    # Late: a page that shows nothing of the kind needs none of them.
+    # Imported late: a page that shows no such model does not need these modules.
     from vtkmodules.vtkCommonTransforms import vtkTransform
     from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
 
@@ -230,7 +240,8 @@ def _turned(polyData: Any) -> Any:
 
 
 def save_model(node: Any, path: Path) -> None:
-    """Write a model to a file, in double precision, and let the node know where it is kept."""
+    """Write a model to a file, in double precision, and set the file as that of its
+    storage node."""
     points = vtkPoints()
     points.SetDataTypeToDouble()
     points.DeepCopy(node.GetPolyData().GetPoints())

@@ -1,4 +1,5 @@
-"""When frames are drawn: one at a time, coarse while something moves, a sharp one when it rests."""
+"""The times at which frames are drawn: one at a time, coarse ones while something moves, a sharp
+one when it rests."""
 
 from __future__ import annotations
 
@@ -12,29 +13,32 @@ from trame_rca.encoders import RcaImageEncoder
 
 MOST_FRAMES_PER_S = 30.0
 MOVING_QUALITY, STILL_QUALITY = 60, 90
-"""Of the JPEG, percent."""
+"""Quality of the JPEG, percent."""
 
 TURNS_TO_BEGIN = 3
-"""Of the event loop, for two timers without delay: the session hears of a change by one, and begins by another."""
+"""Turns of the event loop that two timers without delay need: one tells the session of a change,
+the other begins its work."""
 
 STILL_AFTER_S = 0.4
-"""What has not moved for so long rests: sooner, a slow machine would draw sharp frames in between."""
+"""The view rests when nothing has moved for this time: with a shorter one, a slow machine would
+draw sharp frames in between."""
 
 
 class Drawn(Protocol):
-    """What frames are drawn of."""
+    """The view whose frames are drawn."""
 
     def picture(self, isCoarse: bool) -> tuple[Any, int, int]:
-        """Colors (rows, columns, 3), columns and rows."""
+        """The colors (rows, columns, 3), the number of columns and the number of rows."""
         ...
 
 
-class Frames:
+class FrameScheduler:
     """A render scheduler of trame-rca, made with a running event loop.
 
-    A frame is drawn by the event loop, encoded beside it, and sent before the next one is drawn: who waits for `isBehind` to
-    end before the next change never makes pictures that nobody sees. `on_frame()` is called before one is drawn, and what it
-    begins in the next two turns of the event loop goes on beside the drawing; `count` tells how often that was.
+    A frame is drawn by the event loop, encoded beside it, and sent before the next one is drawn:
+    who waits for `isBehind` to end before the next change never makes pictures that nobody sees.
+    `on_frame()` is called before one is drawn, and what it begins in the next two turns of the
+    event loop goes on beside the drawing; `count` tells how often that was.
     """
 
     target_fps = MOST_FRAMES_PER_S
@@ -47,19 +51,19 @@ class Frames:
 
     @property
     def isBehind(self) -> bool:
-        """Whether something has been changed that is still to be sent."""
+        """Whether a change has not been sent yet."""
         return self._wanted.is_set() or self._isDrawing
 
     def set_push_callback(self, callback: Callable[[bytes, dict[str, Any]], None]) -> None:
-        """Send frames with this."""
+        """Send frames with this function."""
         self._push = callback
 
     def schedule_render(self) -> None:
-        """Something looks different: draw it soon."""
+        """Draw a frame soon, because something looks different."""
         self._wanted.set()
 
     def reset(self) -> None:
-        """A picture needs none before it."""
+        """Do nothing: no picture depends on the one before."""
 
     async def close(self) -> None:
         """Draw no more."""
@@ -68,10 +72,10 @@ class Frames:
 
     async def _run(self) -> None:
         loop = asyncio.get_running_loop()
-        # Ends: with `close`.
+        # Ends with `close`.
         while True:
             await self._wanted.wait()
-            # Ends: when nothing has moved for a while.
+            # Ends when nothing has moved for a while.
             while self._wanted.is_set():
                 begun = loop.time()
                 await self._begin()

@@ -1,4 +1,5 @@
-"""Plans of pages, kept on disk while these live and for a day: a folder for each, with what its browser has sent."""
+"""The plans of pages, kept on disk while the pages live and for a day: each page has a folder, with
+the files that its browser has sent."""
 
 from __future__ import annotations
 
@@ -13,13 +14,15 @@ DAY_S = 86_400.0
 
 
 def usual_folder() -> Path:
-    """Where plans are kept unless another folder is named: that of the user's for what programs leave behind."""
+    """The folder where plans are kept unless another one is named: the user's folder for the state
+    of programs."""
     state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
     return Path(state) / "sdfstent" / "plans"
 
 
 class KeptPlans:
-    """The folders of the pages in `root`, each for its owner only; with None nothing is kept."""
+    """The folders of the pages in `root`, each readable by its owner only; with None nothing is
+    kept."""
 
     def __init__(self, root: Path | None) -> None:
         self.root = root
@@ -27,11 +30,11 @@ class KeptPlans:
             self._forget_old(root)
 
     def folder(self, page: str) -> str | None:
-        """What belongs to a page."""
+        """The folder of a page."""
         return None if self.root is None else str(self.root / page)
 
     def has(self, page: str) -> bool:
-        """Whether a page of this name, which may be anything, can go on where it was."""
+        """Whether a plan is kept for a page of this name, which may be any text."""
         is_name = re.fullmatch(r"[\w-]+", page) is not None
         return self.root is not None and is_name and (self.root / page / PLAN).is_file()
 

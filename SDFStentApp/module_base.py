@@ -1,4 +1,4 @@
-"""What the module's logic and panel are derived from in Slicer, as far as they use it."""
+"""The base classes of the module's logic and panel in Slicer, as far as the module uses them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ScriptedLoadableModuleLogic:
 
 
 class ScriptedLoadableModuleWidget:
-    """A panel in a `parent`, which holds what is loaded of its `.ui` file."""
+    """A panel in a `parent`, which holds the widgets that are loaded from its `.ui` file."""
 
     def __init__(self, parent: Any) -> None:
         self.moduleName = type(self).__name__.removesuffix("Widget")
@@ -50,7 +50,7 @@ class ScriptedLoadableModuleWidget:
         return str(Path(slicer.util.modulePath(self.moduleName)).parent / "Resources" / name)
 
     def setup(self) -> None:
-        """Nothing is there before the panel's own."""
+        """Do nothing: only the panel itself has something to set up."""
 
     def onReload(self) -> None:
         slicer.util.reloadScriptedModule(self.moduleName)  # a page is opened anew instead

@@ -1,4 +1,4 @@
-"""One page: the module's panel on a scene of its own, shown by trame."""
+"""One page: the module's panel with a scene of its own, shown by trame."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from trame_server.utils.namespace import Translator
 from SDFStentLib.files import write_bytes
 
 from . import python_layer
-from .application import Application
+from .application import MrmlApplication
 from .charts import opacity_of, plot_of, table_of
 from .exports import NAMES, exported, zipped_folder
 from .files import (
@@ -39,15 +39,16 @@ from .selectors import PlaceWidget
 from .sight import build
 from .tables import Table
 from .template import ASKS_FOR_FILE, PATHS, WRITES_FILE, WRITES_FOLDER, value_of
-from .view import View
+from .view import PageView
 from .widgets import Button
 
 EDIT_EVERY_S, LOOK_AGAIN_S = 0.03, 0.005
 SHOW_EVERY_S = 0.05
-"""A browser is sent what widgets show no more often, but at once what comes of a click."""
+"""Shortest time between two updates of the widgets in the browser; the result of a click is sent at
+once."""
 
 LATEST_EDIT_S = 0.5
-"""A value that is dragged is taken so late at most, however slowly what it changes is drawn."""
+"""Longest delay with which a dragged value is taken, however slowly its effect is drawn."""
 
 
 class Kept(NamedTuple):
@@ -59,42 +60,44 @@ class Kept(NamedTuple):
 
 
 def at_hand_of(widget: Any) -> dict[str, Any]:
-    """The few lines over the view, and of which kind they are."""
+    """The few lines of text over the view, and their kind."""
     shown = widget._state.atHand
     return {"lines": shown.text.split("\n") if shown.text else [], "kind": shown.kind}
 
 
 def tiles_of(parameters: Any) -> list[dict[str, Any]]:
-    """The result at a glance."""
+    """The tiles that show the result at a glance."""
     from SDFStentSlicer.Tiles import tilesOf
 
     return [tile._asdict() for tile in tilesOf(parameters)]
 
 
 class Plain(Translator):
-    """State variables are called the same here and there. Trame's own would look at all of them at every value that is set."""
+    """A translator that leaves the names of state variables as they are; trame's own looks at all
+    names whenever a value is set."""
 
     def reverse_translate_dict(self, key_dict: dict[str, Any]) -> dict[str, Any]:
         return key_dict
 
 
 class Page:
-    """What the browser shows and does. `told` is what the server was started with."""
+    """The content and the behavior of one page. `opening` is what it begins with, from the command
+    line."""
 
-    def __init__(self, server: Any, told: dict[str, Any]) -> None:
-        self.server, self.told = server, told
-        self.application = Application()
+    def __init__(self, server: Any, opening: dict[str, Any]) -> None:
+        self.server, self.opening = server, opening
+        self.application = MrmlApplication()
         python_layer.install(self.application)
         self._dialog = python_layer.FileDialog
-        self.view = View(self.application, self._on_click)
+        self.view = PageView(self.application, self._on_click)
         self.workshop = tempfile.TemporaryDirectory(prefix="sdfstent-")
-        self.home = Path(told.get("kept") or self.workshop.name)
+        self.home = Path(opening.get("kept") or self.workshop.name)
         self.uploads = Uploads(self.home / "uploads")
-        self.folders = Folders([*told["folders"], self.uploads.folder])
+        self.folders = Folders([*opening["folders"], self.uploads.folder])
         self._unseen = [str(self.uploads.folder), str(self.home)]
         self._forget: asyncio.TimerHandle | None = None
         slicer.util.showStatusMessage = self.tell
-        self.widget = _panel(told["module"])
+        self.widget = _panel(opening["module"])
         self.panel = self.widget.ui
         self._dirty: dict[str, Any] = {}
         self._flushed_at = 0.0
@@ -133,7 +136,8 @@ class Page:
         self.server.state.change(name)(edited)
 
     def _edit_soon(self, widget: Any, value: Any) -> None:
-        """Take the value that is the last one when what came of the one before is seen: a mouse is faster than that."""
+        """Take the latest value once the effect of the one before is seen, since a mouse is faster
+        than that."""
         if not self._edits:
             loop = asyncio.get_running_loop()
             loop.call_later(EDIT_EVERY_S, self._edit_when_seen, loop.time() + LATEST_EDIT_S)
@@ -149,19 +153,21 @@ class Page:
 
     @property
     def _isAhead(self) -> bool:
-        """Whether the value that was taken last is still to be seen."""
+        """Whether the effect of the value taken last has not been seen yet."""
         session, isSeen = self.widget.session, self.view.frames != self._edited_at
         return self.view.isBehind or (session.isRunning and session.isPreview and not isSeen)
 
     def take_edits(self) -> None:
-        """Take what was set in the page until now: once a frame, before it is drawn, for the next preview to run beside that."""
+        """Take the values set in the page until now: once per frame, before it is drawn, so that
+        the next preview runs beside the drawing."""
         self._edited_at = self.view.frames
         edits, self._edits = self._edits, {}
         for widget, value in edits.items():
             self.attempt(partial(widget.edit, value))
 
     def _changed(self, widget: Any) -> None:
-        """Send what a widget shows once everything that changes now has changed, but not too often."""
+        """Send the state of a widget once all changes of this moment are made, but
+        not too often."""
         if not self._dirty:
             loop = asyncio.get_running_loop()
             loop.call_at(max(self._flushed_at + SHOW_EVERY_S, loop.time()), self._flush)
@@ -183,7 +189,8 @@ class Page:
             state[value_of(widget)] = getattr(widget, widget.edited)
 
     def _show_results(self) -> None:
-        """Table and plot, where they have changed, and whether there is something to save."""
+        """Send the table and the plot, if they have changed, and whether there is something to
+        save."""
         parameters = self.parameters
         chart, table = parameters.outputChart or self.widget.lesions.chart, parameters.outputTable
         drawn = chart and (chart.GetID(), chart.GetTitle(), opacity_of(chart))
@@ -198,12 +205,13 @@ class Page:
             self.point(self._pointed)
 
     def say(self, sentence: str) -> None:
-        """A sentence above the panel; "" takes it away."""
+        """Show a sentence above the panel; "" takes it away."""
         with self.server.state:
             self.server.state.message = self._seen(sentence)
 
     def tell(self, sentence: str, milliseconds: int) -> None:
-        """A sentence over the view for some time, as in Slicer's status bar; "" takes it away."""
+        """Show a sentence over the view for some time, as in Slicer's status bar; ""
+        takes it away."""
         if self._forget is not None:
             self._forget.cancel()
             self._forget = None
@@ -214,13 +222,14 @@ class Page:
             self._forget = loop.call_later(milliseconds / 1000, self.tell, "", 0)
 
     def _seen(self, text: str) -> str:
-        """What the browser has sent, and what it is given to keep, is called as it is there: nobody sees our folders."""
+        """A text without our folders: the files that the browser has sent or receives have the same
+        names there."""
         for folder in self._unseen:
             text = text.replace(f"{folder}{os.sep}", "")
         return text
 
     def attempt(self, action: Callable[[], Any]) -> Any:
-        """Do what the user asks for; where it cannot be done, say why in the page."""
+        """Do what the user asks for; if that fails, say why in the page."""
         self.say("")
         try:
             return action()
@@ -229,14 +238,14 @@ class Page:
             return None
 
     def _tell(self, error: Exception) -> None:
-        """Whatever it is, the page goes on."""
+        """Log an error and show its sentence; the page goes on, whatever it is."""
         self.widget.logic.log(error)
         self.say(self.widget.logic.sentence(error))
 
     # What the user does
 
     def click(self, name: str) -> None:
-        """Press a button of the panel, with everything set that was set before."""
+        """Press a button of the panel, after taking all values set before."""
         self.take_edits()
         widget = self.panel.widgets.get(name)
         if isinstance(widget, Button):
@@ -244,7 +253,7 @@ class Page:
             self._flush()
 
     def edit(self, name: str, value: Any) -> None:
-        """Change what a widget shows by more than a state variable."""
+        """Change a widget in a way for which there is no state variable."""
         self.take_edits()
         widget = self.panel.widgets.get(name)
         if widget is not None:
@@ -252,13 +261,13 @@ class Page:
             self._flush()
 
     def hover(self, name: str, row: Any) -> None:
-        """The mouse is on a row of a table, or with -1 on none."""
+        """Tell a table that the mouse is on a row, or with -1 on none."""
         widget = self.panel.widgets.get(name)
         if isinstance(widget, Table) and type(row) is int:
             self.attempt(partial(widget.hover, row))
 
     def key(self, name: str, key: str) -> None:
-        """A key, as Qt calls it, that was pressed in a widget."""
+        """Press a key, in Qt's name for it, in a widget."""
         if key == "Esc" and self.server.state.chooser:
             self.choose("", "")
             return
@@ -270,7 +279,7 @@ class Page:
         self._flush()
 
     def ask(self, name: str) -> None:
-        """A button of the panel that asks for a file: the page asks first."""
+        """Ask for the file that a button of the panel needs, before the button is pressed."""
         if name in ASKS_FOR_FILE and self.panel.widgets[name].enabled:
             files = self.folders.listing(ASKS_FOR_FILE[name])
             text = self.panel.widgets[name].toolTip
@@ -279,7 +288,8 @@ class Page:
                 state.chooser = {"button": name, "text": text, "files": files}
 
     def choose(self, name: str, path: str) -> None:
-        """The file that the page has asked for; without a name none was wanted."""
+        """Press the button with the file that the user has chosen; without a name the user has
+        chosen none."""
 
         self.take_edits()
 
@@ -293,7 +303,8 @@ class Page:
             self.attempt(press)
 
     def upload(self, variable: str, name: str, content: bytes) -> None:
-        """Keep a file of the browser's, and put its path where the page asks for one; without a variable where it belongs."""
+        """Keep a file of the browser, and enter its path where the page asks for one; without a
+        variable, where it belongs by its content."""
 
         def keep() -> None:
             path = self.uploads.kept(name, content)
@@ -305,7 +316,8 @@ class Page:
             self.attempt(keep)
 
     def open(self, surface: str, centerline: str, units: str) -> None:
-        """Open a vessel, or a plan in place of the surface, from files that may be opened; a plan names its own unit."""
+        """Open a vessel, or a plan in place of the surface, from files that may be opened; a plan
+        names its own unit."""
 
         def load() -> None:
             wall = self.folders.existing(surface)
@@ -321,34 +333,34 @@ class Page:
         else:
             self.say("Open: expected the path of a surface, got none; type or choose one.")
 
-    def open_told(self) -> None:
-        """Open what was named at the start of the server, which may be anywhere."""
+    def open_named(self) -> None:
+        """Open the files named at the start of the server, which may be anywhere."""
 
         def load() -> None:
-            scene, told = self.application.scene, self.told
+            scene, opening = self.application.scene, self.opening
             if (self.home / PLAN).is_file():  # it goes on
                 self._opened(open_plan(scene, self.home / PLAN, None))
-            elif told.get("plan"):
-                self._opened(open_plan(scene, Path(told["plan"]), None))
-            elif told.get("surface"):
-                line = told.get("centerline")
-                files = Path(told["surface"]), line and Path(line)
-                self._opened(open_vessel(scene, *files, told["units"]))
+            elif opening.get("plan"):
+                self._opened(open_plan(scene, Path(opening["plan"]), None))
+            elif opening.get("surface"):
+                line = opening.get("centerline")
+                files = Path(opening["surface"]), line and Path(line)
+                self._opened(open_vessel(scene, *files, opening["units"]))
 
         self.attempt(load)
-        if self.told.get("demo") and self.parameters.vessel is None:
+        if self.opening.get("demo") and self.parameters.vessel is None:
             self.demo()
-        if self.told.get("kept"):
+        if self.opening.get("kept"):
             self.widget.sections[0].onKept = self._keep
 
     def _keep(self, document: str) -> None:
-        """Keep a plan on disk, for who comes back after whatever happened."""
+        """Keep a plan on disk, so that the user can go on with it later."""
         if json.loads(document)["inputs"].get("surface"):
             self.home.mkdir(parents=True, exist_ok=True, mode=0o700)
             write_bytes(self.home / PLAN, document.encode())
 
     def demo(self) -> None:
-        """The library's synthetic patient, in files of this page's own."""
+        """Open the library's synthetic patient, from files of this page's own."""
 
         def load() -> None:
             from SDFStentSlicer.SampleVessels import addSampleVessel
@@ -374,7 +386,7 @@ class Page:
         self.say(opened.warnings)
 
     def _close(self) -> None:
-        """Take the former vessel out of the scene, with its stents and results."""
+        """Remove the former vessel from the scene, with its stents and results."""
         from SDFStentSlicer.Display import OUTPUT_ROLES
 
         parameters, logic = self.parameters, self.widget.logic
@@ -384,7 +396,7 @@ class Page:
                 logic.removePlan(other)
         if parameters.outputVessel is not None:
             logic.reset(parameters)
-        # Ends: every turn takes one away.
+        # Ends, since every turn takes one away.
         while len(parameters.stents):
             logic.removeStent(parameters)
         for role in ("vessel", "centerline", *OUTPUT_ROLES):
@@ -393,7 +405,7 @@ class Page:
                 self.application.scene.RemoveNode(node)
 
     def save(self, kind: str) -> None:
-        """Make a file for the browser to keep; the page says why where it cannot be made."""
+        """Make a file for the browser to keep; if that fails, the page says why."""
         if kind in NAMES and not self.server.state.isSaving:
             self.take_edits()
             self.say("")
@@ -412,7 +424,8 @@ class Page:
         return Kept(*NAMES[kind], content)
 
     def point(self, station: Any) -> None:
-        """Show in the view how wide the vessel is at a station of the plot; at none without such a number."""
+        """Mark the diameter of the vessel at a station of the plot in the view; without a valid
+        number mark nothing."""
         self._pointed = station if type(station) is int else -1
         centers, diameters = self._plotted()
         isThere = 0 <= self._pointed < len(centers)
@@ -421,7 +434,8 @@ class Page:
         self.view.mark(center if np.isfinite(diameter) else None, diameter)
 
     def _plotted(self) -> tuple[Any, Any]:
-        """Where the stations of the plot are (k, 3), and how wide the vessel is there (k,), mm."""
+        """The points at the stations of the plot (k, 3) and the diameters of the vessel there (k,),
+        mm."""
         run, lesion = self.widget.logic.lastRun(self.parameters), self.widget.lesions.plotted
         if self.parameters.outputChart is None and lesion is not None:
             return lesion.points, lesion.diameters
@@ -431,7 +445,7 @@ class Page:
         return profile.centers, profile.inscribed_diameter
 
     def picture(self) -> None:
-        """What the view shows, for the browser to keep."""
+        """Make a picture of the view for the browser to keep."""
         self._later(self._drawn())
 
     async def _drawn(self) -> Kept:
@@ -440,7 +454,8 @@ class Page:
         return Kept("view.png", "image/png", content)
 
     def gather(self, name: str) -> None:
-        """What a button of the panel writes, for the browser to keep; where that is a folder, a second click stops it."""
+        """Give the browser the file that a button of the panel writes; if the button writes a
+        folder, a second click stops it."""
         if name not in {*WRITES_FILE, *WRITES_FOLDER} or not self.panel.widgets[name].enabled:
             return
         writer = self._writers().get(name)
@@ -455,20 +470,20 @@ class Page:
         self._later(self._gathered(name, writer, folder))
 
     def _writers(self) -> dict[str, Any]:
-        """What writes a folder for a while, by its button."""
+        """The writers of folders, which take a while, by their buttons."""
         return {
             "comparePlansButton": self.widget.plans.comparing,
             "writeSegmentButton": self.widget.sections[-1].writing,
         }
 
     async def _gathered(self, name: str, writer: Any, folder: Path) -> Kept | None:
-        """None where nothing was written: the panel says why."""
+        """The file to keep; None if nothing was written, for which the panel gives the reason."""
         try:
             if writer is None:
                 file, media_type = WRITES_FILE[name]
                 path = folder / file
                 return Kept(file, media_type, path.read_bytes()) if path.exists() else None
-            # Ends: with what the click has begun, or with a second one.
+            # Ends with the writing that the click has begun, or with a second click.
             while writer.isRunning:
                 await asyncio.sleep(0.1)
             content = await asyncio.to_thread(zipped_folder, folder)
@@ -477,7 +492,7 @@ class Page:
             shutil.rmtree(folder, ignore_errors=True)
 
     def _later(self, making: Coroutine[Any, Any, Kept | None]) -> None:
-        """Make a file while the page goes on: a call of the browser's holds up all that come after it."""
+        """Make a file while the page goes on: one call of the browser delays all later ones."""
 
         async def make() -> None:
             try:
@@ -495,7 +510,7 @@ class Page:
         task.add_done_callback(self._tasks.discard)
 
     def fetch(self) -> list[dict[str, Any]]:
-        """All files that were made and not yet fetched."""
+        """All files that were made and not fetched yet."""
         kept, self._kept = self._kept, []
         return [file._asdict() for file in kept]
 
@@ -508,7 +523,7 @@ class Page:
             state.isPlacing = isPlacing
 
     def _on_click(self, x: float, y: float) -> bool:
-        """Put the next point where the centerline is seen, while the user is placing."""
+        """Put the next point on the centerline where the user clicks, while placing is on."""
         self.take_edits()
         place = next((one for one in self._places() if one.placeModeEnabled), None)
         if place is not None:
@@ -523,7 +538,7 @@ class Page:
 
 
 def _panel(folder: Path) -> Any:
-    """The module's own panel, set up and entered. Its folder is on Python's path by now."""
+    """The module's own panel, set up and entered. Its folder is already on Python's path."""
     from SDFStentSlicer import Clock
     from SDFStentSlicer.Widget import SDFStentWidget
 

@@ -1,4 +1,5 @@
-"""The process behind a page, as the server sees it: started, waited for, visited, ended."""
+"""The process behind a page, as the server sees it: it is started, waited for,
+visited and ended."""
 
 from __future__ import annotations
 
@@ -25,20 +26,23 @@ ALLOCATION = {
     "MALLOC_MMAP_THRESHOLD_": "1000000",
     "OMP_NUM_THREADS": "1",
 }
-"""Its many short threads would each keep memory that they have given back; and pages share the processors already.
+"""Environment of the process. Otherwise each of its many short threads would hold on to memory
+that it has freed; and
 
-Arrays of less than a megabyte, of which a preview makes hundreds, are not asked of the system each time.
+pages share the processors already. Arrays of less than a megabyte, of which a preview makes
+hundreds, are reused.
 """
 
 
 class PageProcess:
-    """Made with a running event loop: gets ready, and opens what it is told when it is `wanted`.
+    """The process of one page, made with a running event loop: it gets ready, and opens its files
+    when it is `wanted`.
 
     `on_end(page)` is called once, when it has ended, by itself or by `end`.
     """
 
     def __init__(
-        self, told: dict[str, Any], kept_s: float, on_end: Callable[[PageProcess], None]
+        self, opening: dict[str, Any], kept_s: float, on_end: Callable[[PageProcess], None]
     ) -> None:
         self.name, self.secret = secrets.token_urlsafe(9), secrets.token_urlsafe(24)
         self._kept_s, self._on_end = kept_s, on_end
@@ -50,22 +54,24 @@ class PageProcess:
         loop = asyncio.get_running_loop()
         self._port: asyncio.Future[int] = loop.create_future()
         self._is_wanted = asyncio.Event()
-        self._told = {**told, "secret": self.secret}
+        self._opening = {**opening, "secret": self.secret}
         self._life = asyncio.ensure_future(self._live())
 
-    def wanted(self, told: dict[str, Any]) -> None:
-        """Open what there is to show, and what else is told; it is visited soon, or ends."""
-        self._told |= told
+    def wanted(self, opening: dict[str, Any]) -> None:
+        """Show the page, with more settings for its opening; the process ends unless a browser
+        visits it soon."""
+        self._opening |= opening
         self._is_wanted.set()
         self._leave_after(FIRST_VISIT_WITHIN_S)
 
     async def port(self) -> int:
-        """Where it listens. Raises `RuntimeError` with a sentence if it could not start."""
+        """The port on which the process listens. Raises `RuntimeError` with a sentence if it could
+        not start."""
         return await asyncio.shield(self._port)
 
     @contextlib.contextmanager
     def visited(self, browser: web.WebSocketResponse) -> Iterator[None]:
-        """Within the block a browser is connected."""
+        """Within the block a browser is connected to the page."""
         self._visitors.append(browser)
         if self._leaving is not None:
             self._leaving.cancel()
@@ -77,12 +83,12 @@ class PageProcess:
                 self._leave_after(self._kept_s)
 
     async def leave_others(self, browser: web.WebSocketResponse) -> None:
-        """Show it to one browser only, whose window has the size of the picture."""
+        """Disconnect all other browsers, since the picture has the size of one window."""
         others = [other for other in self._visitors if other is not browser and other.prepared]
         await asyncio.gather(*(other.close() for other in others))
 
     async def end(self) -> None:
-        """End it and wait until it is gone."""
+        """End the process and wait until it is gone."""
         # A start that is given up half-way leaves a child that nobody waits for.
         await asyncio.wait([self._starting])
         if self._starting.exception() is None:
@@ -112,7 +118,7 @@ class PageProcess:
             await asyncio.wait([ended, wanted], return_when=asyncio.FIRST_COMPLETED)
             wanted.cancel()
             if not ended.done():
-                process.stdin.write(json.dumps(self._told).encode() + b"\n")
+                process.stdin.write(json.dumps(self._opening).encode() + b"\n")
             await self._become_ready(process)
             await process.wait()
         finally:
@@ -133,7 +139,7 @@ class PageProcess:
             _kill(process)
 
     async def _over(self) -> None:
-        """Whatever happened: the process is gone, and the server hears of it."""
+        """Clean up after the process has ended for whatever reason, and tell the server."""
         if self._leaving is not None:
             self._leaving.cancel()
         if self._process is not None and self._process.returncode is None:
@@ -147,15 +153,17 @@ class PageProcess:
 
 
 def _kill(process: asyncio.subprocess.Process) -> None:
-    """By its number: `Process.kill` may take the end of one that has ended by itself from asyncio, which then warns."""
+    """Kill a process by its number: `Process.kill` may reap a process that has ended by itself
+    before asyncio does, which then warns."""
     with contextlib.suppress(ProcessLookupError):
         os.kill(process.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
 
 
 async def _started(workshop: str) -> asyncio.subprocess.Process:
-    """In a session of its own: Ctrl-C in the terminal is the server's, which then ends it.
+    """Start the process in a session of its own: Ctrl-C in the terminal reaches only the server,
+    which then ends the process.
 
-    What it writes for itself is in the `workshop`.
+    Its own temporary files are in the `workshop`.
     """
     above = str(Path(__file__).resolve().parents[1])
     path = os.pathsep.join(filter(None, (above, os.environ.get("PYTHONPATH"))))

@@ -1,7 +1,9 @@
-"""What the module needs of `slicer.parameterNodeWrapper`: typed fields of a scripted module node, bound to widgets.
+"""The part of `slicer.parameterNodeWrapper` that the module needs: typed fields of a scripted
+module node, bound to widgets.
 
-Covers what panels commonly use: int, float, str, bool, enum, node references and unions of them, parameter packs (nested by
-dotted names), lists, `WithinRange`, `Choice`; two-way binding to widgets. Storage keys follow the real one where it is simple; files are not meant to be exchanged.
+Covers what panels commonly use: int, float, str, bool, enum, node references and unions of them,
+parameter packs (nested by dotted names), lists, `WithinRange`, `Choice`; two-way binding to
+widgets. Storage keys follow the real one where it is simple; files are not meant to be exchanged.
 """
 
 import enum
@@ -35,15 +37,15 @@ class Choice:
             raise ValueError(f"Value must be one of {self.choices}, got {value}")
 
 
-class Field:
-    """One typed field: how to check it, to write it to a node and to read it back."""
+class TypedField:
+    """One typed field: it checks a value, writes it to a node and reads it back."""
 
     def __init__(self, owner, name, hint):
         self.name = name
         self.type, *annotations = (
             typing.get_args(hint) if typing.get_origin(hint) is typing.Annotated else (hint,)
         )
-        # Asked for at every access, and slow to find out.
+        # Kept, since every access asks for them and they are slow to find out.
         self.isPack, self.isNode = isPack(self.type), _isNodeType(self.type)
         self.isList = typing.get_origin(self.type) is list
         self.validators = [a for a in annotations if hasattr(a, "check")]
@@ -115,7 +117,7 @@ class Field:
 
     @cached_property
     def element(self):
-        return Field(type("Element", (), {}), self.name, typing.get_args(self.type)[0])
+        return TypedField(type("Element", (), {}), self.name, typing.get_args(self.type)[0])
 
     def startValue(self):
         if self.isPack and self.default is None:
@@ -128,9 +130,10 @@ def isPack(type_):
 
 
 def parameterPack(cls):
-    """Class decorator: a value with typed fields, which may be a field of a parameter node or of another pack."""
+    """Class decorator for a value with typed fields, which may be a field of a parameter node or of
+    another pack."""
     cls.allParameters = {
-        n: Field(cls, n, h) for n, h in typing.get_type_hints(cls, include_extras=True).items()
+        n: TypedField(cls, n, h) for n, h in typing.get_type_hints(cls, include_extras=True).items()
     }
     cls._is_parameterPack = True
     fields = cls.allParameters
@@ -156,9 +159,10 @@ def parameterPack(cls):
 
 
 def _makeView(cls):
-    """A pack that lives in a node: reading and writing go straight through."""
+    """The class of a pack that lives in a node: its fields are read from the node and written to it
+    directly."""
 
-    class View(cls):
+    class PackView(cls):
         def __init__(self, node, key):
             object.__setattr__(self, "_node", node)
             object.__setattr__(self, "_key", key)
@@ -176,14 +180,14 @@ def _makeView(cls):
             with slicer.util.NodeModify(self._node):
                 cls.allParameters[name].write(self._node, f"{self._key}.{name}", value)
 
-    View.__name__ = cls.__name__
-    return View
+    PackView.__name__ = cls.__name__
+    return PackView
 
 
 def parameterNodeWrapper(cls):
-    """Class decorator: typed fields on a `vtkMRMLScriptedModuleNode`."""
+    """Class decorator that gives a class typed fields, stored in a `vtkMRMLScriptedModuleNode`."""
     fields = {
-        n: Field(cls, n, h) for n, h in typing.get_type_hints(cls, include_extras=True).items()
+        n: TypedField(cls, n, h) for n, h in typing.get_type_hints(cls, include_extras=True).items()
     }
     members = dict(WrapperMembers.__dict__)
     for name in ("__dict__", "__weakref__", "__doc__", "__module__", "__qualname__"):
@@ -200,7 +204,7 @@ def parameterNodeWrapper(cls):
 
 
 class WrapperMembers:
-    """Becomes part of every parameter node class."""
+    """Members that every parameter node class receives."""
 
     def __init__(self, parameterNode):
         self.parameterNode = parameterNode
@@ -236,7 +240,8 @@ class WrapperMembers:
         return tag
 
     def disconnectGui(self, tag):
-        """As in Slicer 5.10.0: the observer that `connectGui` added stays."""
+        """Stop following the widgets. As in Slicer 5.10.0, the observer that `connectGui` added
+        stays."""
         for connector in self._bindings.pop(tag, {}).values():
             connector.onChanged(None)
 

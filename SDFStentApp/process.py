@@ -1,4 +1,5 @@
-"""The process behind one page: `python -m SDFStentApp.process`, which the server starts and ends."""
+"""The process behind one page: `python -m SDFStentApp.process`, which the server
+starts and ends."""
 
 from __future__ import annotations
 
@@ -17,11 +18,11 @@ MODULE = Path(__file__).resolve().parents[1] / "SDFStent"
 """The folder of the Slicer module."""
 
 HEADER = "X-SDFStent-Page"
-"""Names the secret without which this process answers nobody."""
+"""Name of the header with the secret, without which this process answers nobody."""
 
 
 def prepare() -> None:
-    """Load what every page needs, which takes most of the time until one is there."""
+    """Load the modules that every page needs, which takes most of the time of its start."""
     os.environ["WSLINK_READY_MSG"] = ""
     if not os.environ.get("DISPLAY"):
         # Without a screen VTK finds this window by itself, but only after a warning.
@@ -33,16 +34,16 @@ def prepare() -> None:
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
 
 
-async def run(told: dict[str, Any], ready: Callable[[int], None]) -> None:
+async def run(opening: dict[str, Any], ready: Callable[[int], None]) -> None:
     """Serve one page on a port of this machine until the process ends; `ready` gets the port."""
     from trame.app import get_server
 
     from .page import Page, Plain
 
     server = get_server("sdfstent", client_type="vue3", translator=Plain())
-    page = Page(server, {**told, "module": MODULE})
+    page = Page(server, {**opening, "module": MODULE})
     page.build()
-    server.controller.on_server_bind.add(lambda bound: _guard(bound.app, told["secret"]))
+    server.controller.on_server_bind.add(lambda bound: _guard(bound.app, opening["secret"]))
     server.controller.on_server_ready.add(lambda **_: _begin(page, ready))
     await server.start(
         port=0,
@@ -58,12 +59,12 @@ async def run(told: dict[str, Any], ready: Callable[[int], None]) -> None:
 
 def _begin(page: Any, ready: Callable[[int], None]) -> None:
     page.server.controller.rc_area_register(page.view.serve(page.take_edits))
-    page.open_told()
+    page.open_named()
     ready(page.server.port)
 
 
 def _guard(app: Any, secret: str) -> None:
-    """Answer only who knows the secret: others on this machine can reach the port, too."""
+    """Answer only requests with the secret: other users of this machine can reach the port, too."""
     from aiohttp import web
 
     @web.middleware
@@ -76,7 +77,8 @@ def _guard(app: Any, secret: str) -> None:
 
 
 def main() -> None:
-    """Read what to show from the first line of stdin, say the port on stdout, and end with stdin."""
+    """Read the page's settings from the first line of stdin, write the port to stdout, and end when
+    stdin ends."""
     answer = os.dup(1)
     os.dup2(2, 1)  # whatever others print is no answer
 

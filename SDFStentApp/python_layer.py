@@ -1,4 +1,5 @@
-"""The part of Slicer's Python layer, and the words of Qt, that `slicer-core` does not have and the module imports."""
+"""The parts of Slicer's Python layer and of Qt that the module imports and `slicer-core` does not
+have."""
 
 from __future__ import annotations
 
@@ -14,14 +15,15 @@ import slicer
 from vtkmodules.util import numpy_support
 
 from . import module_base, parameter_node, tables
-from .ui_file import Panel
+from .ui_file import UiPanel
 
 
 class AsyncTimer:
-    """A timer of the module's `Clock` on asyncio's event loop; a repeated one lets everything else have its turn."""
+    """A timer of the module's `Clock`, run by asyncio's event loop; a repeated timer lets all other
+    work have its turn."""
 
     WAIT_S = 0.001
-    """Threads advance here whoever waits for them, and best beside the drawing of a frame."""
+    """Waiting for threads is short: they advance anyway, and best beside the drawing of a frame."""
 
     TURN_S = (0.002, 0.002)
 
@@ -30,12 +32,12 @@ class AsyncTimer:
         self._waiting: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
-        """Wait from now on; anew where it was waiting already."""
+        """Begin to wait, or begin anew."""
         self.stop()
         self._waiting = asyncio.get_running_loop().call_later(self._seconds, self._run)
 
     def stop(self) -> None:
-        """Call no more."""
+        """Cancel the call that is still to come."""
         if self._waiting is not None:
             self._waiting.cancel()
         self._waiting = None
@@ -52,14 +54,15 @@ class AsyncTimer:
 
 
 class FileDialog:
-    """Qt's questions for a file, which the page has asked before: `answering` is what they return."""
+    """Stand-in for Qt's questions for a file: the page has asked before, and `answering` sets the
+    answer."""
 
     _answer = ""
 
     @classmethod
     @contextlib.contextmanager
     def answering(cls, path: Path) -> Iterator[None]:
-        """Within the block every question for a file or a folder is answered so."""
+        """Within the block every question for a file or a folder is answered with this path."""
         cls._answer = str(path)
         try:
             yield
@@ -78,11 +81,12 @@ class FileDialog:
 
 
 WITH_CHILDREN, EVERYWHERE = 3, 2
-"""Where a key is heard: in a widget, or wherever one is."""
+"""The places where a key works: in its widget, or in all widgets."""
 
 
 class Shortcut:
-    """A key of the panel: of the widget that it is made for, whose `shortcuts` the page looks through when a key is pressed."""
+    """A key of the panel, which belongs to a widget; the page looks through the `shortcuts` of its
+    widgets when a key is pressed."""
 
     def __init__(self, key: str, widget: Any) -> None:
         self.key, self._widget = key, widget
@@ -100,7 +104,7 @@ class Shortcut:
         self._functions.append(function)
 
     def press(self, name: Any) -> None:
-        """The key was pressed in a widget of that name."""
+        """Call the functions of the key, which was pressed in a widget of this name."""
         isMeant = self._context == EVERYWHERE or name == self._widget.objectName
         if self._isEnabled and isMeant:
             for function in self._functions:
@@ -108,7 +112,8 @@ class Shortcut:
 
 
 class Vtk(types.ModuleType):
-    """VTK under its old name, which functions of `slicer.util` import: all of it is 50 MB more than what is loaded anyway."""
+    """VTK under its old name, from which functions of `slicer.util` import: all of it takes 50 MB
+    more than the modules that are loaded anyway."""
 
     def __getattr__(self, name: str) -> Any:
         for key, module in list(sys.modules.items()):
@@ -118,7 +123,8 @@ class Vtk(types.ModuleType):
 
 
 def install(application: Any) -> None:
-    """Put everything where the module looks for it. Call it once, before the module is imported."""
+    """Put all stand-ins where the module looks for them. Call it once, before the module is
+    imported."""
     slicer.mrmlScene = application.scene
     slicer.app = types.SimpleNamespace(
         applicationLogic=lambda: application.applicationLogic,
@@ -157,7 +163,8 @@ def install(application: Any) -> None:
 
 
 def install_packages(*bases: type) -> None:
-    """Slicer's own Python packages; with more base classes where an application has them."""
+    """Install stand-ins for Slicer's own Python packages; `bases` are further base classes that an
+    application has."""
     _add("slicer.i18n", tr=lambda text: text, translate=lambda _context, text: text)
     kinds = [one for name, one in vars(module_base).items() if name.startswith("Scripted")]
     classes = {one.__name__: one for one in (*kinds, *bases)}
@@ -176,7 +183,7 @@ def _add(name: str, **contents: Any) -> None:
 
 def _loaded(path: str) -> Any:
     """The top widget of a `.ui` file, as `slicer.util.loadUI` returns it."""
-    panel = Panel(Path(path))
+    panel = UiPanel(Path(path))
     top = panel.top.widget
     top.panel = panel  # type: ignore[attr-defined]
     # The browser gives the page its size.

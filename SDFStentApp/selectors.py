@@ -1,4 +1,4 @@
-"""Widgets that choose something in the scene."""
+"""Widgets that choose a node or a segment in the scene."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from vtkmodules.util.vtkConstants import VTK_OBJECT
 from .widgets import Widget, shown
 
 NEW = "+"
-"""Chosen in place of a node's ID: one that is made now."""
+"""The value that stands for a new node, in place of a node's ID."""
 
 SCENE_EVENTS = {
     "NodeAddedEvent": 10.0,
@@ -22,13 +22,14 @@ SCENE_EVENTS = {
     "EndCloseEvent": 0.0,
     "EndImportEvent": 0.0,
 }
-"""What Slicer's scene model hears of, and how early."""
+"""Events that Slicer's scene model observes, and their priorities."""
 
 SEGMENT_EVENTS = ("SegmentAdded", "SegmentRemoved", "SegmentModified")
 
 
-class Selector(Widget):
-    """Knows the nodes of a scene; `_heard(event, node)` is called when they change."""
+class SceneSelector(Widget):
+    """A widget that knows the nodes of a scene; `_heard(event, node)` is called when
+    they change."""
 
     def __init__(self, name: str = "", parameter: str = "") -> None:
         super().__init__(name, parameter)
@@ -40,7 +41,7 @@ class Selector(Widget):
         return self._scene
 
     def setMRMLScene(self, scene: Any) -> None:
-        """Offer what is in a scene; None: let go of it."""
+        """Offer the nodes of a scene; None: let go of it."""
         for tag in self._tags:
             self._scene.RemoveObserver(tag)
         self._scene = scene
@@ -56,7 +57,8 @@ class Selector(Widget):
         return int(self._scene.AddObserver(event, heard, SCENE_EVENTS[name]))
 
     def _heard(self, event: str, node: Any) -> None:
-        """As Slicer's selectors: a closed or imported scene empties them, a node that goes is followed by its neighbor."""
+        """Follow a change of the scene as Slicer's selectors do: a closed or imported scene empties
+        them, a removed node is replaced by its neighbor."""
         if event in ("EndCloseEvent", "EndImportEvent"):  # all rows are taken out and made anew
             self.setCurrentNode(None)
         elif self._scene.IsClosing() or self._scene.IsImporting():
@@ -77,7 +79,7 @@ class Selector(Widget):
         raise NotImplementedError
 
     def nodes(self) -> list[Any]:
-        """Those that can be chosen."""
+        """The nodes that can be chosen."""
         raise NotImplementedError
 
     def _take(self, node: Any) -> None:
@@ -85,14 +87,15 @@ class Selector(Widget):
 
 
 def neighbor(items: list[Any], item: Any) -> Any:
-    """What a selector shows when the row that it shows is taken out: the next row, or else the one before; None when alone."""
+    """The item that a selector shows after its present one is removed: the next one, or else the
+    one before; None if it was the only one."""
     index = items.index(item)
     others = items[:index] + items[index + 1 :]
     return others[min(index, len(others) - 1)] if others else None
 
 
-class NodeComboBox(Selector):
-    """One of the scene's nodes, as `qMRMLNodeComboBox` is used."""
+class NodeComboBox(SceneSelector):
+    """A choice of one of the scene's nodes, as `qMRMLNodeComboBox` offers it."""
 
     edited = "nodeID"
     nodeTypes, noneEnabled, noneDisplay = shown(()), shown(False), shown("None")
@@ -112,12 +115,13 @@ class NodeComboBox(Selector):
         return value
 
     def addAttribute(self, className: str, name: str, value: str = "") -> None:
-        """Offer only nodes with this attribute, one per type that is offered, and give it to new ones."""
+        """Offer only nodes of this type that have this attribute, and give it to new ones; each
+        offered type has at most one."""
         if className in self.nodeTypes:
             self._attributes[className] = (name, value)
 
     def sortFilterProxyModel(self) -> NodeComboBox:
-        """What knows which nodes are not offered: here the widget itself."""
+        """The object that knows which nodes are hidden: here the widget itself."""
         return self
 
     @property
@@ -133,12 +137,12 @@ class NodeComboBox(Selector):
         return self._scene.GetNodeByID(self.nodeID) if self._scene and self.nodeID else None
 
     def setCurrentNode(self, node: Any) -> None:
-        """Choose a node that is offered; any other one is the same as none."""
+        """Choose a node that is offered; any other node counts as none."""
         isThere = node is not None and node.GetScene() is self._scene and not self._isImporting()
         self._take(node if isThere and self._is_offered(node) else None)
 
     def _take(self, node: Any) -> None:
-        """Choose what is offered still; where there has to be one, the first."""
+        """Choose a node; if it is None and there has to be one, the first."""
         if node is None and not self.noneEnabled:
             node = next(iter(self.nodes()), None)
         nodeID, before = node.GetID() if node is not None else "", self.nodeID
@@ -154,14 +158,16 @@ class NodeComboBox(Selector):
         return [node for node in self._scene.GetNodes() if node in offered]
 
     def _of_types(self) -> Iterator[Any]:
-        """The scene finds them; to ask every node of it takes four times as long."""
+        """The nodes of the offered types, found by the scene: to ask every node takes four times as
+        long."""
         for name in self.nodeTypes:
             found = self._scene.GetNodesByClass(name)
             found.UnRegister(None)
             yield from found
 
     def _isImporting(self) -> bool:
-        """Whether there is no scene, or one in which what is imported is seen at the end only."""
+        """Whether there is no scene, or one that is importing: imported nodes are seen only at the
+        end."""
         return self._scene is None or bool(self._scene.IsImporting())
 
     def _is_offered(self, node: Any) -> bool:
@@ -205,8 +211,9 @@ class NodeComboBox(Selector):
             self.setCurrentNode(by_id.get(value))
 
 
-class SegmentSelector(Selector):
-    """One of a segmentation's segments, as `qMRMLSegmentSelectorWidget` is used; without a node it stays what it was."""
+class SegmentSelector(SceneSelector):
+    """A choice of one of a segmentation's segments, as `qMRMLSegmentSelectorWidget` offers it;
+    without a node it keeps its segment."""
 
     edited = "segment"
     segment = shown("", "currentSegmentChanged")
@@ -224,7 +231,8 @@ class SegmentSelector(Selector):
             self._take(node)
 
     def _take(self, node: Any) -> None:
-        """Offer the segments of a node; the present one where it has it, else its first, which is emitted at once."""
+        """Offer the segments of a node. If the present segment is not among them, the first one is
+        chosen, which is emitted at once."""
         for tag in self._watched:
             self._node.GetSegmentation().RemoveObserver(tag)
         self._node, self._watched = node, []
@@ -268,7 +276,8 @@ class SegmentSelector(Selector):
 
 
 class PlaceWidget(Widget):
-    """Whether the next click into the view places a point, as `qSlicerMarkupsPlaceWidget` is used."""
+    """A switch for placing a point with the next click into the view, as
+    `qSlicerMarkupsPlaceWidget` is used."""
 
     edited = "placeModeEnabled"
     placeModeEnabled = shown(False, "activeMarkupsPlaceModeChanged")
@@ -285,7 +294,7 @@ class PlaceWidget(Widget):
         return self._node
 
     def setCurrentNode(self, node: Any) -> None:
-        """Place the points of this markups, or of none."""
+        """Place the points of this markups node, or with None of no node."""
         if node is not self._node:
             self._node, self.placeModeEnabled = node, False
         self.enabled = node is not None

@@ -1,7 +1,8 @@
-"""The server of `sdfstent app`: checks the token, starts a process for every page, and passes its frames and clicks on.
+"""The server of `sdfstent app`: it checks the token, starts a process for every page, and passes
+frames and clicks on.
 
-A page is a process: its scene is its own, what is slow or fails in it holds up or ends no other, and when it is closed nothing of
-it is left.
+A page is a process with a scene of its own: one that is slow or fails does not affect the others,
+and nothing is left of one that is closed.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ from .process import HEADER
 
 INDEX = "index.html"
 LAUNCHER = "paraview/"
-"""What trame's client asks first for a process of its own; with nothing for an answer it takes the one that it is from."""
+"""The address where trame's client first asks for a new process; after an empty answer it uses the
+one that has served it."""
 
 KEPT_HEADERS = {
     "Cache-Control": "no-store",
@@ -45,28 +47,29 @@ WAY = (
 )
 LARGEST_MESSAGE = 64 * 2**20
 HEARTBEAT_S = 30.0
-"""So often a browser has to show that it is still there."""
+"""Time between two signs of life that a browser has to give."""
 NOT_PASSED_ON = {"host", "connection", "upgrade", "cookie", HEADER.lower()}
 
 
-class Settings(NamedTuple):
-    """What the command line says. `told` is what every page begins with."""
+class ServerSettings(NamedTuple):
+    """The settings of the command line. `opening` is what every page begins with."""
 
     host: str
     port: int
     opens_browser: bool
     kept_s: float
-    """So long a closed page waits to be opened again."""
+    """Time for which a closed page waits to be opened again."""
     most_pages: int
     plans: Path | None
-    """Where plans are kept for a day; None for nowhere."""
-    told: dict[str, Any]
+    """Folder where plans are kept for a day; None: they are not kept."""
+    opening: dict[str, Any]
 
 
 class Server:
-    """Answers below a random token only. `say(line)` tells the user."""
+    """The server, which answers only addresses below a random token. `say(line)` writes a line for
+    the user."""
 
-    def __init__(self, settings: Settings, say: Callable[[str], None]) -> None:
+    def __init__(self, settings: ServerSettings, say: Callable[[str], None]) -> None:
         self.settings, self._say = settings, say
         self.token = secrets.token_urlsafe(24)
         self.pages: dict[str, PageProcess] = {}
@@ -77,7 +80,7 @@ class Server:
         self._way: Path | None = None
 
     async def run(self, stop: asyncio.Event) -> None:
-        """Serve until told to stop; then every page has ended."""
+        """Serve until `stop` is set, and then end all pages."""
         app = web.Application()
         app.router.add_route("*", "/{path:.*}", self._answer)
         runner = web.AppRunner(app, access_log=None, logger=_logger(), shutdown_timeout=1.0)
@@ -108,7 +111,8 @@ class Server:
             self._show(address)
 
     def _show(self, address: str) -> None:
-        """By a file that only its owner reads: everybody on this machine sees what a browser is started with."""
+        """Open the address with a file that only its owner can read: everybody on this machine sees
+        the arguments of a browser."""
         file, name = tempfile.mkstemp(suffix=".html")
         self._way = Path(name)
         with open(file, "w", encoding="utf-8") as way:
@@ -116,7 +120,7 @@ class Server:
         asyncio.get_running_loop().run_in_executor(None, webbrowser.open, self._way.as_uri())
 
     def _start(self, name: str = "") -> PageProcess:
-        """A page, which goes on where that of the `name` was."""
+        """Start a page, which goes on with the plan of the page `name`."""
         page, self._spare = self._spare or self._prepared(), None
         page.name = name or page.name
         page.wanted({"kept": self._kept.folder(page.name)})
@@ -124,7 +128,7 @@ class Server:
         return page
 
     def _prepared(self) -> PageProcess:
-        return PageProcess(self.settings.told, self.settings.kept_s, self._forget)
+        return PageProcess(self.settings.opening, self.settings.kept_s, self._forget)
 
     def _keep_one_ready(self) -> None:
         if self._spare is None and len(self.pages) < self.settings.most_pages:
@@ -163,7 +167,8 @@ class Server:
         return await self._new_page(way, name if self._kept.has(name) else "")
 
     async def _new_page(self, way: str, name: str) -> web.StreamResponse:
-        """Send the browser to a page of its own; `way` leads below the token, behind whatever proxy."""
+        """Send the browser to a page of its own; `way` leads to just below the token, behind
+        whatever proxy."""
         page = None
         if not name:
             page, self._first = self._first, None
@@ -181,7 +186,7 @@ class Server:
         raise web.HTTPFound(f"{way}{page.name}/{INDEX}", headers=KEPT_HEADERS)
 
     async def _pass(self, request: web.Request, page: PageProcess, tail: str) -> web.StreamResponse:
-        """Raises `_PageHasFailed` where it cannot be reached."""
+        """Pass a request on to a page. Raises `_PageHasFailed` if the page cannot be reached."""
         if request.headers.get("Upgrade", "").lower() == "websocket":
             if not _is_own(request):
                 return _sentence(403, "Another site has asked for this page.")
@@ -234,12 +239,13 @@ class Server:
 
 
 class _PageHasFailed(Exception):
-    """Nobody answers where a page was."""
+    """Raised if a page does not answer any more."""
 
 
 @contextlib.contextmanager
 def _reaching() -> Iterator[None]:
-    """Within the block nobody but a page is asked; a browser that is gone is no fault of the page's."""
+    """Turns connection errors within the block into `_PageHasFailed`. Ask only a page in it: a
+    browser that is gone is no fault of the page."""
     try:
         yield
     except (aiohttp.ClientConnectionError, RuntimeError) as error:
@@ -247,13 +253,14 @@ def _reaching() -> Iterator[None]:
 
 
 def _is_own(request: web.Request) -> bool:
-    """Whether it was no other site that made the browser ask; only browsers say who did."""
+    """Whether the request does not come from another site; only browsers name the origin."""
     origin = request.headers.get("Origin")
     return origin is None or origin.partition("://")[2] == request.host
 
 
 def _logger() -> logging.Logger:
-    """Of the server; who does not speak HTTP is answered, and nobody else has to hear of it."""
+    """The logger of the server, without complaints about clients that do not speak HTTP: they are
+    answered anyway."""
     logger = logging.getLogger("sdfstent.app")
     logger.addFilter(
         lambda record: (
@@ -273,7 +280,8 @@ def _passed_on(request: web.Request, page: PageProcess) -> dict[str, str]:
 async def _pass_on(
     source: Any, target: Any, may_pass: Callable[[bytes], bool] = lambda _data: True
 ) -> None:
-    """Messages from one side to the other, as long as both are open and send what may pass; text says nothing here."""
+    """Pass messages from one side to the other, as long as both are open and the messages may pass;
+    texts are left out, since they mean nothing here."""
     async for message in source:
         if message.type == aiohttp.WSMsgType.BINARY:
             if not may_pass(message.data):
@@ -292,7 +300,7 @@ async def _until_one_ends(ways: list[Awaitable[None]]) -> None:
 
 
 def _has_screen() -> bool:
-    """Whether a browser could show something: one of the terminal would take that over."""
+    """Whether a browser could open a window: one in the terminal would take that over."""
     if not sys.platform.startswith("linux"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
@@ -309,7 +317,7 @@ def _sentence(status: int, text: str) -> web.Response:
     return web.Response(status=status, text=f"SDF Stent: {text}\n", headers=KEPT_HEADERS)
 
 
-def serve(settings: Settings, say: Callable[[str], None]) -> None:
+def serve(settings: ServerSettings, say: Callable[[str], None]) -> None:
     """Serve until Ctrl-C or SIGTERM."""
 
     async def until_signal() -> None:

@@ -1,4 +1,4 @@
-"""How a page looks: the panel on one side, the view and the diameters on the other."""
+"""The look of a page: the panel on one side, the view and the diameters on the other."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ STYLE = Path(__file__).with_name("page.css")
 FOLLOW_THEME = """const isDark = window.matchMedia('(prefers-color-scheme: dark)');
 const tell = () => trigger('theme', [isDark.matches ? 'dark' : 'light']);
 isDark.addEventListener('change', tell); tell();"""
-"""The browser's light or dark, now and when it changes, as the background of the view."""
+"""Sets the background of the view by the browser's light or dark theme, now and when
+that changes."""
 
 IN_ORDER = """window.inOrder = async (name, args) => {
   const {state, trigger} = window.trame;
@@ -29,16 +30,18 @@ IN_ORDER = """window.inOrder = async (name, args) => {
   }
   return trigger(name, args);
 };"""
-"""Calls the page once it was sent what has been edited before: while a call is under way Trame's client sends no edits, but calls.
+"""Calls the page after all earlier edits were sent: while a call is under way trame's client sends
+further calls, but no edits.
 
-What is the browser's own is named by its window: expressions of a Vue template see few of its names, and not `Promise`.
+Names of the browser are reached through `window`: expressions of a Vue template see few of them,
+and not `Promise`.
 """
 
 NAMED = """const {document} = window, screen = document.querySelector('.screen');
 const name = () => screen.querySelectorAll('img:not([alt])').forEach(one => { one.alt = 'Vessel and stents'; });
 new window.MutationObserver(name).observe(screen, {childList: true, subtree: true}); name();
 document.querySelector('meta[name=viewport]').content = 'width=device-width, initial-scale=1';"""
-"""What trame leaves out for those who do not see a page, or need it larger."""
+"""Adds what trame leaves out for users who cannot see a page, or need it larger."""
 
 POINT = """let pointed = -1, told = -1, isTelling = false;
 const point = async station => {
@@ -55,7 +58,8 @@ window.nearest = (event, values) => {
   return values[station];
 };
 window.nowhere = () => { point(-1); return null; };"""
-"""Of the values of a plot those that are seen nearest to the pointer, which the view marks: one place after another."""
+"""Finds the values of a plot that are nearest to the pointer, and lets the view mark their place,
+one call after another."""
 
 SEND = """window.send = (variable, files) => Array.from(files).forEach(async file => {
   const {state, trigger} = window.trame, isLarge = file.size > MOST;
@@ -74,7 +78,8 @@ window.addEventListener('drop', withFiles(event => {
   if (!other) document.querySelector('[data-name=opening]').open = true;
   window.send(field ? field.dataset.name.split('-')[0] : other, event.dataTransfer.files);
 }));""".replace("MOST", str(LARGEST_UPLOAD))
-"""Files of the browser's own machine, chosen or dropped. One that is too large is not sent, only told."""
+"""Sends files of the browser's own machine, chosen or dropped. Of a file that is too large only the
+name is sent."""
 
 SPLIT = """window.split = to => {
   const [page, panel, split] = ['.page', '.panel', '.split'].map(one => document.querySelector(one));
@@ -85,14 +90,15 @@ SPLIT = """window.split = to => {
   window.localStorage.setItem('panel', width);
 };
 if (window.localStorage.getItem('panel')) window.split(window.localStorage.getItem('panel'));"""
-"""The width of the panel, or a step of it: both sides stay wide enough to be used. A page that is loaded again keeps it."""
+"""Sets the width of the panel, or changes it by a step, such that both sides stay usable. A page
+that is loaded again keeps it."""
 
 UNFOLD = """window.unfold = name => {
   const part = document.querySelector(`[data-name=${name}]`);
   for (let one = part; one; one = one.parentElement.closest('details')) one.open = true;
   part.scrollIntoView({block: 'nearest'});
 };"""
-"""Show a part of the panel."""
+"""Unfolds a part of the panel and scrolls to it."""
 
 KEYS = """const named = {Escape: 'Esc', ArrowLeft: 'Left', ArrowRight: 'Right', Delete: 'Del'};
 const buttons = {z: 'undoButton', y: 'redoButton'};
@@ -109,17 +115,17 @@ window.addEventListener('keydown', event => {
   const name = widget ? widget.dataset.name : key === 'Del' ? '' : 'stentTable';
   window.inOrder('key', [name, (event.shiftKey ? 'Shift+' : '') + key]);
 });"""
-"""Keys of the panel's table of stents, which are meant for it as well where none has the focus, as the view; what is typed
-into a field is the field's."""
+"""Passes keys to the panel's table of stents, also when no widget or the view has the focus; keys
+typed into a field stay there."""
 
 GO_ON = """window.setInterval(async () => {
   if (!document.querySelector('.gone') || !document.hasFocus() || window.performance.now() < 10000) return;
   const answer = await window.fetch(window.location.href).catch(() => null);
   if (answer && answer.ok) window.location.reload();
 }, 2000);"""
-"""A page whose connection is lost goes on as soon as somebody answers: in the window that is looked at, for it may be open in
-another one. One that fails at once is not loaded again and again.
-"""
+"""Loads a page whose connection is lost again as soon as the server answers: only in the window
+with the focus, since the page may be open in another one. A page that fails at once is not
+loaded again and again."""
 
 TRIGGERS = (
     *("click", "edit", "hover", "key", "ask", "choose", "open", "upload", "demo"),
@@ -128,11 +134,11 @@ TRIGGERS = (
 """Methods of the page that the browser calls."""
 
 EVENT_EVERY_MS = 20
-"""The mouse is heard no more often."""
+"""Shortest time between two events of the mouse."""
 
 
 def build(page: Any) -> None:
-    """Make the markup of a page and the state variables that it begins with."""
+    """Make the markup of a page and its state variables."""
     server = page.server
     _begin(page)
     for name in TRIGGERS:
@@ -177,7 +183,7 @@ def _begin(page: Any) -> None:
     state.message, state.isPlacing, state.isSaving, state.canSave = "", False, False, False
     state.said = ""
     state.surfacePath = state.centerlinePath = state.chosenPath = ""
-    state.fileUnits = page.told.get("units", "mm")
+    state.fileUnits = page.opening.get("units", "mm")
     state.chooser, state.opened, state.made = {}, 0, 0
     state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS))
     state.centerlineFiles = page.folders.listing(CENTERLINES)

@@ -1,4 +1,4 @@
-"""A table as a value: rows of items, one of them selected."""
+"""A table widget as a value: rows of items, one of which is selected."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .widgets import Widget, shown
 CHECKED, UNCHECKED = 2, 0
 CAN_BE_EDITED, CAN_BE_CHECKED = 2, 16
 LONGEST = 200
-"""Characters of a text that is typed into a cell."""
+"""Largest number of characters that can be typed into a cell."""
 
 
 class TableItem:
@@ -51,7 +51,7 @@ class TableItem:
         return self.place[1]
 
     def state(self) -> dict[str, Any]:
-        """What the page shows; `check` is None where there is nothing to tick."""
+        """The item as the page shows it; `check` is None if it has no box to check."""
         check = self._check == CHECKED if self.canBeChecked else None
         words = {"text": self._text, "tip": self._tip}
         return {**words, "check": check, "edit": self.canBeEdited}
@@ -71,7 +71,7 @@ class TableItem:
 
 
 class Header:
-    """The header of a table, as `QHeaderView` is used: what is asked of it the browser does anyway."""
+    """The header of a table, as `QHeaderView` is used: the browser does all of this anyway."""
 
     def setStretchLastSection(self, _isStretched: bool) -> None:
         """Do nothing."""
@@ -81,7 +81,7 @@ class Header:
 
 
 class Table(Widget):
-    """Rows to select, as `QTableWidget` is used."""
+    """A table whose rows can be selected, as `QTableWidget` is used."""
 
     columns = shown(())
 
@@ -92,7 +92,7 @@ class Table(Widget):
         self._is_under_mouse = False
 
     def horizontalHeader(self) -> Header:
-        """The browser fits the columns."""
+        """A header that does nothing: the browser fits the columns."""
         return Header()
 
     def setRowCount(self, count: int) -> None:
@@ -130,20 +130,20 @@ class Table(Widget):
         self._select(-1)
 
     def setMouseTracking(self, _isTracked: bool) -> None:
-        """The page tells of rows that the mouse enters, and leaves, by itself."""
+        """Do nothing: the page always reports the rows that the mouse enters and leaves."""
 
     def underMouse(self) -> bool:
         """Whether the mouse is on a row."""
         return self._is_under_mouse
 
     def hover(self, row: int) -> None:
-        """The mouse is on a row, or on none with -1."""
+        """Note that the mouse is on a row, or with -1 on none."""
         self._is_under_mouse = 0 <= row < len(self._rows)
         if self._is_under_mouse:
             self.emit("cellEntered", row, 0)
 
     def setFocus(self) -> None:
-        """Where keys go is the browser's."""
+        """Do nothing: the browser decides where keys go."""
 
     def _select(self, row: int) -> None:
         if row == self._selected:
@@ -160,7 +160,8 @@ class Table(Widget):
         return {**super().state(), **table}
 
     def edit(self, value: Any) -> None:
-        """A click: `[row, column]`; with `true` or `false` behind them one on a tick, with a text what was typed."""
+        """Take a click, `[row, column]`; with a third value, `true` or `false` for a check box or
+        the text that was typed."""
         place = self._place(value)
         if place is None:
             return
@@ -175,7 +176,7 @@ class Table(Widget):
             item.setText(value[2][:LONGEST])
 
     def _place(self, value: Any) -> tuple[int, int] | None:
-        """Row and column of what came from the page, if it has such a cell."""
+        """Row and column of a value from the page, if the table has such a cell; otherwise None."""
         if not isinstance(value, list) or len(value) not in (2, 3):
             return None
         row, column = value[:2]

@@ -1,4 +1,4 @@
-"""The page's markup: made from the panel's arrangement, so that order and words are those of the panel."""
+"""The page's markup, made from the panel's arrangement so that it has the same order and words."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from .view import SIDES
 from .widgets import (
     Button,
     CheckBox,
+    CollapsibleSection,
     ComboBox,
     Label,
-    Line,
     LineEdit,
     Number,
     ProgressBar,
-    Section,
+    Separator,
     Widget,
 )
 
@@ -43,33 +43,35 @@ ASKS_FOR_FILE = {
     "loadProfileButton": (".csv",),
     "loadMeshButton": WHOLE_SUFFIXES,
 }
-"""Buttons that the panel answers with a question for a file, and how these files end."""
+"""Buttons that make the panel ask for a file, and the suffixes of these files."""
 
 SAVES = {"savePlanButton": "plan"}
-"""Buttons whose file the browser keeps."""
+"""Buttons that save a file, which the browser keeps, and the kind of the file."""
 
 WRITES_FILE = {
     "saveDeviceButton": ("stents.vtp", "application/xml"),
     "write0DButton": ("network.json", "application/json"),
 }
-"""Buttons that the panel answers with a question where to save, which the browser keeps under this name; and its type."""
+"""Buttons that make the panel ask where to save a file; the name under which the browser keeps it,
+and its media type."""
 
 WRITES_FOLDER = {"comparePlansButton": "comparison.zip", "writeSegmentButton": "segment.zip"}
-"""Buttons that the panel answers with a question for a folder, which the browser keeps as a file of this name."""
+"""Buttons that make the panel ask for a folder; the name of the zip file with which the browser
+keeps it."""
 
 
 def value_of(widget: Widget) -> str:
-    """Name of the state variable that the user edits."""
+    """Name of the state variable that the user edits in a widget."""
     return f"{widget.objectName}__v"
 
 
 def markup(placed: Placed) -> str:
-    """The Vue template of a widget, and of what is in it."""
+    """The Vue template of a widget and its content."""
     widget, name = placed.widget, placed.widget.objectName
     if name in NOT_IN_THE_PAGE:
         return ""
     inside = "" if placed.inside is None else _arranged(placed.inside)
-    if isinstance(widget, Section):
+    if isinstance(widget, CollapsibleSection):
         opened = f'@toggle="{name}__v = !$event.target.open"'
         return (
             f'<details v-show="{name}.visible" :open="!{name}__v" {opened} data-name="{name}">'
@@ -98,9 +100,11 @@ def _content(content: Placed | Arranged) -> str:
 
 
 def _of(widget: Widget) -> str:
-    """A widget alone."""
+    """The Vue template of a single widget."""
     name, v = widget.objectName, value_of(widget)
-    memo = f"{name}, {v}" if widget.edited else name  # made anew only when one of these is
+    memo = (
+        f"{name}, {v}" if widget.edited else name
+    )  # rendered again only when one of these changes
     common = f'v-show="{name}.visible" v-memo="[{memo}]" :title="{name}.tip" data-name="{name}"'
     disabled = f':disabled="!{name}.enabled"'
     if isinstance(widget, Button):
@@ -127,7 +131,7 @@ def _of(widget: Widget) -> str:
         )
     if isinstance(widget, (ComboBox, NodeComboBox, SegmentSelector)):
         return _choice(widget, common, disabled)
-    if isinstance(widget, Line):
+    if isinstance(widget, Separator):
         return "<hr>"
     if isinstance(widget, Label):
         return f'<div class="label" {common} :class="{{off: !{name}.enabled}}">{{{{ {name}.text }}}}</div>'
@@ -145,14 +149,15 @@ def _click(name: str) -> str:
 
 
 def saving(kind: str) -> str:
-    """Ask the server for a file, which the browser keeps once it is made; without one the page says why."""
+    """The call that asks the server for a file, which the browser keeps once it is made; if that
+    fails, the page says why."""
     return f"window.inOrder('save', ['{kind}'])"
 
 
 KEEP = (
     "trigger('fetch').then(files => files.forEach(f => utils.download(f.name, f.content, f.type)))"
 )
-"""What lets the browser keep the files that were made for it."""
+"""The script with which the browser keeps the files that were made for it."""
 
 
 def _number(widget: Number, common: str, disabled: str) -> str:
@@ -200,19 +205,20 @@ ROW_KEYS = " ".join(
     f'@keydown.{key}.prevent="$event.currentTarget.{to}ElementSibling?.focus()"'
     for key, to in (("up", "previous"), ("down", "next"))
 )
-"""From row to row of a table."""
+"""Moves the focus from row to row of a table with the keys."""
 
 
 COMMA = "@keydown.,.prevent=\"window.document.execCommand('insertText', false, '.')\" "
-"""In a number a comma is as good as a point, whatever the language of the browser."""
+"""Lets a comma stand for a decimal point in a number, whatever the language of the browser."""
 
 
 def _hovered(name: str) -> str:
-    """Of a row of lesions: the view marks the one that the mouse is on."""
+    """The attributes of a row of lesions that let the view mark the lesion under the mouse; "" for
+    other tables."""
     if name != "lesionTable":
         return ""
-    told = "trigger('hover', ['{name}', {row}])".format
-    enter, leave = told(name=name, row="r"), told(name=name, row="-1")
+    hovered = "trigger('hover', ['{name}', {row}])".format
+    enter, leave = hovered(name=name, row="r"), hovered(name=name, row="-1")
     return f'@pointerenter="{enter}" @pointerleave="{leave}" '
 
 
@@ -245,7 +251,7 @@ PATHS = ("surfacePath", "centerlinePath", "chosenPath")
 
 
 def _upload(variable: str) -> str:
-    """A file of the browser's own machine, beside the field for a path."""
+    """The field for a file of the browser's own machine, beside the field for a path."""
     words = "A file of this computer; one can be dropped anywhere on the page, too"
     return f"""<input type="file" data-name="{variable}-upload" title="{words}" aria-label="A file of this computer" \
 @change="window.send('{variable}', $event.target.files)">"""
@@ -291,7 +297,8 @@ AT_HAND = """
 <div class="hand" :class="[atHand.kind, { aside: pointed }]" v-show="atHand.lines.length" role="status" data-name="atHand">
 <div v-for="line in atHand.lines">{{ line }}</div></div>
 """
-"""They step aside while a place is pointed at in the plot: what the view marks there may lie beneath them."""
+"""The lines over the view. They move aside while the user points at the plot: the place marked in
+the view may lie beneath them."""
 
 
 KEYS = (
@@ -302,21 +309,21 @@ KEYS = (
     ("Escape", "end placing, close a question"),
     ("?", "show these keys"),
 )
-"""What they do."""
+"""Keys, and what they do."""
 
 HELP = (
     '<dialog class="keys" data-name="keys" aria-label="Keys"><dl>'
     + "".join(f"<dt>{keys}</dt><dd>{words}</dd>" for keys, words in KEYS)
     + '</dl><form method="dialog"><button type="submit">Close</button></form></dialog>'
 )
-"""The keys that the page hears."""
+"""The dialog that shows the keys."""
 
 SAID = '<div class="said" v-show="said" role="status" data-name="said">{{ said }}</div>'
-"""What was said last, where it is seen whatever part of the panel is."""
+"""The latest message, over the view, where it is seen whatever part of the panel is shown."""
 
 
 def bar() -> str:
-    """What can be done with the view."""
+    """The buttons of the view."""
     sides = "".join(
         f'<button type="button" title="View from {side.lower()}" aria-label="View from {side.lower()}" '
         f"""data-name="from{side}" @click="trigger('look_from', ['{side}'])">{side[0]}</button>"""

@@ -1,4 +1,4 @@
-"""The panel's `.ui` file: its widgets, and how they are arranged."""
+"""The panel's `.ui` file: its widgets and their arrangement."""
 
 from __future__ import annotations
 
@@ -26,35 +26,35 @@ CLASSES: dict[str, Callable[[str], Widget]] = {
     "QTableWidget": Table,
     "QProgressBar": widgets.ProgressBar,
     "QWidget": widgets.Area,
-    "QFrame": widgets.Line,
-    "Line": widgets.Line,
+    "QFrame": widgets.Separator,
+    "Line": widgets.Separator,
     "qMRMLWidget": widgets.Area,
-    "ctkCollapsibleButton": widgets.Section,
+    "ctkCollapsibleButton": widgets.CollapsibleSection,
     "qMRMLNodeComboBox": NodeComboBox,
     "qMRMLSegmentSelectorWidget": SegmentSelector,
     "qSlicerMarkupsPlaceWidget": PlaceWidget,
 }
 ARRANGEMENTS = {"QFormLayout": "form", "QHBoxLayout": "row", "QVBoxLayout": "column"}
 ENDS_FIRST = ("minimum", "maximum")
-"""A number is kept within its ends, so these are set before it."""
+"""Properties that are set before the others, since a number is kept within its ends."""
 
 
 class Placed(NamedTuple):
-    """A widget, and what is arranged in it, or None."""
+    """A widget and its content, which is None if it has none."""
 
     widget: Widget
     inside: Arranged | None
 
 
 class Arranged(NamedTuple):
-    """Widgets and arrangements in order: as a `form`, in a `row` or a `column`."""
+    """Widgets and arrangements in order, as a `form`, in a `row` or in a `column`."""
 
     kind: str
-    cells: tuple[Cell, ...]
+    cells: tuple[PlacedCell, ...]
 
 
-class Cell(NamedTuple):
-    """A place in an arrangement; rows and columns are those of a form."""
+class PlacedCell(NamedTuple):
+    """A cell of an arrangement; row and column matter only in a form."""
 
     content: Placed | Arranged
     row: int
@@ -62,8 +62,9 @@ class Cell(NamedTuple):
     span: int
 
 
-class Panel:
-    """The widgets of a `.ui` file by name, as attributes as well, and the arrangement that begins with `top`."""
+class UiPanel:
+    """The widgets of a `.ui` file by name, which are attributes, too, and their arrangement, which
+    begins with `top`."""
 
     def __init__(self, path: Path) -> None:
         root = ElementTree.parse(path).getroot()
@@ -95,19 +96,19 @@ class Panel:
                 int(item.get(key, default))
                 for key, default in (("row", len(cells)), ("column", 0), ("colspan", 1))
             )
-            cells.append(Cell(content, row, column, span))
+            cells.append(PlacedCell(content, row, column, span))
         return Arranged(ARRANGEMENTS[element.get("class", "")], tuple(cells))
 
 
 def fill(widget: Widget, element: ElementTree.Element) -> None:
-    """Give a widget what the file says of it."""
+    """Give a widget its properties from the file."""
     values = {p.get("name", ""): _value(p) for p in element.findall("property")}
     widget.parameter = values.pop("SlicerParameterName", "")
     columns = [_text(column.find("property")) for column in element.findall("column")]
     if columns:
         values["columns"] = tuple(columns)
     for key in sorted(values, key=lambda key: key not in ENDS_FIRST):
-        if isinstance(getattr(type(widget), key, None), widgets.Shown):
+        if isinstance(getattr(type(widget), key, None), widgets.ShownAttribute):
             setattr(widget, key, values[key])
 
 

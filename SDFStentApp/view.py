@@ -1,4 +1,5 @@
-"""The 3D view: the scene drawn off screen by Slicer's own displayable managers, sent as frames, and clicks on the centerline."""
+"""The 3D view: Slicer's own displayable managers draw the scene off screen; it is sent as frames,
+and receives clicks on the centerline."""
 
 from __future__ import annotations
 
@@ -17,29 +18,32 @@ from SDFStentLib.validation import InputError
 
 from .application import ThreeDView
 from .browser_input import BrowserInput
-from .frames import Frames
+from .frames import FrameScheduler
 
 NAME = "view"
 MOST_PIXELS = 700_000
-"""Of a frame, however large and fine the screen is: each takes 60 bytes of the window's buffers."""
+"""Largest number of pixels of a frame, however large and fine the screen is: each takes 60 bytes of
+the window's buffers."""
 
 MOVING_SCALE = 0.6
-"""Pixels across over those of the page while something moves."""
+"""Scale of the frames while something moves, relative to the page."""
 
 FILLED = 0.92
-"""Of the view, by what there is to see."""
+"""Part of the view that the scene fills."""
 
 NEAR_PX = 24.0
-"""A click so near to the centerline is meant for it."""
+"""Largest distance of a click from the centerline that it is meant for."""
 
 SIDES = ("Anterior", "Posterior", "Left", "Right", "Superior", "Inferior")
-"""Of the patient, as Slicer calls them: the scene has the patient's axes, whatever those of the files are."""
+"""Sides of the patient, with Slicer's names: the scene has the patient's axes, whatever the axes of
+the files."""
 
 MARK = (0.95, 0.75, 0.1)
-"""Color of the place that the pointer tells in the plot."""
+"""Color of the mark for the place at which the user points in the plot."""
 
 IN_FRONT = -66_000
-"""An offset of depth, as Slicer's own for what is seen through all that lies before it."""
+"""Depth offset of the mark, the same that Slicer uses for objects that are seen through everything
+in front of them."""
 
 BACKGROUNDS = {
     "light": ((0.97, 0.97, 0.98), (0.86, 0.89, 0.93)),
@@ -47,8 +51,9 @@ BACKGROUNDS = {
 }
 
 
-class View(ThreeDView):
-    """An off-screen view of a scene. `on_click(x, y)` gets a click instead of the scene where it returns true."""
+class PageView(ThreeDView):
+    """The off-screen view of a page's scene. `on_click(x, y)` receives every click first; if it
+    returns true, the scene does not."""
 
     def __init__(self, application: Any, on_click: Callable[[float, float], bool]) -> None:
         super().__init__(application, vtkGenericRenderWindowInteractor())
@@ -60,7 +65,7 @@ class View(ThreeDView):
         self.node.SetRenderMode(self.node.Orthographic)  # else a scale is true at one depth only
         self.node.SetRulerType(self.node.RulerTypeThin)
         self.area = _Area(self.window, on_click, self._take_size)
-        self._frames: Frames | None = None
+        self._frames: FrameScheduler | None = None
         self._whole: tuple[Any, ...] | None = None
         self._ball, self._mark = vtkSphereSource(), vtkActor()
         self._ball.SetThetaResolution(32)
@@ -75,8 +80,9 @@ class View(ThreeDView):
         self.renderer.AddActor(self._mark)
 
     def serve(self, on_frame: Callable[[], None]) -> BrowserInput:
-        """What sends the frames from now on; needs a running event loop. `on_frame()` is called before each that moves."""
-        self._frames = Frames(self.area, on_frame)
+        """The adapter that sends the frames from now on; needs a running event loop. `on_frame()`
+        is called before each moving frame."""
+        self._frames = FrameScheduler(self.area, on_frame)
         self.group.AddObserver(vtkCommand.UpdateEvent, lambda *_: self.draw())
         adapter = BrowserInput(
             self.area, NAME, scheduler=self._frames, do_schedule_render_on_interaction=False
@@ -91,23 +97,23 @@ class View(ThreeDView):
 
     @property
     def frames(self) -> int:
-        """How many were begun while something moved."""
+        """The number of frames begun while something moved."""
         return 0 if self._frames is None else self._frames.count
 
     @property
     def isBehind(self) -> bool:
-        """Whether the browser has not been sent what there is to see."""
+        """Whether the browser has not yet been sent the latest picture."""
         return self._frames is not None and self._frames.isBehind
 
     def paint(self, theme: str) -> None:
-        """The background for a `light` or a `dark` page."""
+        """Set the background for a `light` or a `dark` page."""
         isDark, camera = theme == "dark", self.renderer.GetActiveCamera()
         seen = camera.GetParallelScale()
         below, above = BACKGROUNDS["dark" if isDark else "light"]
         self.node.SetBackgroundColor(*below)
         self.node.SetBackgroundColor2(*above)
         self.node.SetRulerColor(self.node.RulerColorWhite if isDark else self.node.RulerColorBlack)
-        # Whatever changes of a view node, without perspective all of its field of view is shown.
+        # Any change of a view node without perspective resets the scale to its whole field of view.
         camera.SetParallelScale(seen)
 
     def look_at_all(self) -> None:
@@ -121,25 +127,25 @@ class View(ThreeDView):
         self.draw()
 
     def _take_size(self) -> None:
-        """Everything fills a new size, unless somebody has chosen what to look at."""
+        """Let the scene fill a new size, unless the user has changed the camera."""
         if self._whole in (None, self._looks()):
             self.look_at_all()
 
     def _looks(self) -> tuple[Any, ...]:
-        """From where to where, which way is up, and how much is seen."""
+        """The state of the camera: its position, focal point, up direction and scale."""
         camera = self.renderer.GetActiveCamera()
         way = (*camera.GetPosition(), *camera.GetFocalPoint(), *camera.GetViewUp())
         return (*way, camera.GetParallelScale())
 
     def look_from(self, side: str) -> None:
-        """Show what is in the middle now from one of the `SIDES`."""
+        """Show the present center of the view from one of the `SIDES`."""
         if side in SIDES:
             self._camera().RotateTo(getattr(slicer.vtkMRMLCameraNode, side))
             self.renderer.ResetCameraClippingRange()
             self.draw()
 
     def mark(self, center: np.ndarray | None, diameter: float) -> None:
-        """Show a ball of so many mm around a point in space (3,), or none."""
+        """Show a ball of this diameter, in mm, around a point in space (3,); with None hide it."""
         self._mark.SetVisibility(center is not None)
         if center is not None:
             self._ball.SetCenter(*center)
@@ -147,7 +153,8 @@ class View(ThreeDView):
         self.draw()
 
     def picture(self) -> tuple[np.ndarray, int, int]:
-        """Colors (rows, columns, 3), columns and rows of what is seen."""
+        """Colors (rows, columns, 3), number of columns and number of rows of the picture that is
+        seen."""
         return self.area.picture(isCoarse=False)
 
     def _camera(self) -> Any:
@@ -155,7 +162,8 @@ class View(ThreeDView):
         return manager.GetCameraNode()
 
     def nearest(self, points: np.ndarray, x: float, y: float) -> np.ndarray:
-        """Of points in space (n, 3) the one that is seen nearest to a pixel; `InputError` where none is near."""
+        """The point, among points in space (n, 3), that is seen nearest to a pixel; raises
+        `InputError` if none is near."""
         seen = self.pixels(points)
         distance = np.linalg.norm(seen - (x, y), axis=1)
         index = int(np.argmin(distance))
@@ -166,7 +174,8 @@ class View(ThreeDView):
         return points[index]
 
     def pixels(self, points: np.ndarray) -> np.ndarray:
-        """Where points in space (n, 3) are seen, in pixels from the lower left corner, (n, 2)."""
+        """The places on the screen of points in space (n, 3), in pixels from the lower left corner
+        (n, 2)."""
         matrix = self.renderer.GetActiveCamera().GetCompositeProjectionTransformMatrix(
             self.renderer.GetTiledAspectRatio(), -1, 1
         )
@@ -177,7 +186,8 @@ class View(ThreeDView):
 
 
 class _Area(VtkRemoteControlledArea):
-    """Frames out, mouse and keys in. What moves is drawn coarser: without a GPU pixels are what takes the time."""
+    """Sends frames and receives mouse and keys. Moving frames are drawn coarser: without a GPU,
+    pixels take the time."""
 
     def __init__(
         self,
@@ -191,7 +201,7 @@ class _Area(VtkRemoteControlledArea):
         self._on_new_size = on_new_size
 
     def picture(self, isCoarse: bool) -> tuple[np.ndarray, int, int]:
-        """Colors (rows, columns, 3), columns and rows of a frame."""
+        """Colors (rows, columns, 3), number of columns and number of rows of a frame."""
         if not isCoarse:
             return self.img_cols_rows
         size = self._window.GetSize()

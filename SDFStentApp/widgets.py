@@ -1,6 +1,8 @@
-"""The panel's widgets as values: what they show is sent to the page, what the user does there comes back as their signals.
+"""The panel's widgets as values: their state is sent to the page, and what the user does there
+comes back as their signals.
 
-They answer as the widgets of Qt, CTK and Slicer do in the few words that the panel uses, so that its code runs unchanged.
+They answer as the widgets of Qt, CTK and Slicer do in the few words that the panel uses, so that
+its code runs unchanged.
 """
 
 from __future__ import annotations
@@ -12,11 +14,12 @@ from SDFStentLib.validation import InputError
 
 
 def shown(default: Any, signal: str = "") -> Any:
-    """An attribute that the page shows; where `signal` is named it is emitted with every new value."""
-    return Shown(default, signal)
+    """An attribute that the page shows; if `signal` is named, it is emitted with
+    every new value."""
+    return ShownAttribute(default, signal)
 
 
-class Shown:
+class ShownAttribute:
     def __init__(self, default: Any, signal: str) -> None:
         self.default, self.signal = default, signal
 
@@ -37,7 +40,7 @@ class Shown:
 
 
 class Widget:
-    """A named widget. `on_change(widget)` is called whenever it looks different."""
+    """A widget with a name. `on_change(widget)` is called whenever it looks different."""
 
     edited = ""
     """The attribute that a user changes in the page."""
@@ -57,7 +60,8 @@ class Widget:
         self.shortcuts: list[Any] = []
 
     def connect(self, signature: str, function: Callable[..., Any]) -> bool:
-        """Call a function with as many values as the signature names, as PythonQt does."""
+        """Call a function on a signal, with as many values as the signature names, as PythonQt
+        does."""
         name, _, rest = signature.partition("(")
         arguments = rest.rstrip(")").strip()
         count = len(arguments.split(",")) if arguments else 0
@@ -65,7 +69,7 @@ class Widget:
         return True
 
     def disconnect(self, signature: str, function: Callable[..., Any]) -> bool:
-        """Call it no more."""
+        """Call a function no more on a signal."""
         slots = self._slots.get(signature.partition("(")[0], [])
         kept = [slot for slot in slots if slot[0] != function]
         isThere = len(kept) < len(slots)
@@ -73,53 +77,53 @@ class Widget:
         return isThere
 
     def emit(self, signal: str, *values: Any) -> None:
-        """Call what is connected."""
+        """Call the functions connected to a signal."""
         if not self._is_blocked:
             for function, count in list(self._slots.get(signal, ())):
                 function(*values[:count])
 
     def blockSignals(self, block: bool) -> bool:
-        """Emit nothing, or again; returns how it was."""
+        """Block the signals, or unblock them; returns whether they were blocked."""
         before, self._is_blocked = self._is_blocked, block
         return before
 
     def tell(self) -> None:
-        """Let the page know that something looks different."""
+        """Tell the page that the widget looks different."""
         if self.on_change is not None:
             self.on_change(self)
 
     def checked_value(self, _name: str, value: Any) -> Any:
-        """A value as this widget takes it."""
+        """The value as this widget takes it."""
         return value
 
     def property(self, name: str) -> Any:
-        """A property of the `.ui` file that Qt does not know."""
+        """A property from the `.ui` file that is no attribute of the widget."""
         return self.parameter if name == "SlicerParameterName" else None
 
     def setMRMLScene(self, scene: Any) -> None:
-        """Only selectors look at the scene; the panel lets them hear of it."""
+        """Emit the scene for the connected selectors; other widgets do not use it."""
         self.emit("mrmlSceneChanged", scene)
 
     def state(self) -> dict[str, Any]:
-        """What the page has to know, without `edited`."""
+        """The state that the page needs, without the attribute `edited`."""
         values = {"visible": self.visible, "enabled": self.enabled}
         return {**values, "tip": self.toolTip, "text": self.text}
 
     def edit(self, value: Any) -> None:
-        """What the user has set in the page, which may be anything."""
+        """Take a value that the user has set in the page, which may be anything."""
 
 
 class Button(Widget):
     """A button to click."""
 
     def click(self) -> None:
-        """As the user does; a disabled one cannot be."""
+        """Press the button, as the user does; a disabled one cannot be pressed."""
         if self.enabled:
             self.emit("clicked", False)
 
 
 class CheckBox(Widget):
-    """On or off."""
+    """A box that is checked or not."""
 
     edited = "checked"
     checked = shown(False, "toggled")
@@ -133,7 +137,7 @@ class CheckBox(Widget):
 
 
 class Number(Widget):
-    """A number within its ends: a spin box, or with `has_slider` a slider with one."""
+    """A number within its ends: a spin box, or with `has_slider` a slider with a spin box."""
 
     edited = "value"
     minimum, maximum = shown(0.0), shown(99.99)
@@ -162,7 +166,7 @@ class Number(Widget):
         return {**super().state(), **ends, **words, "decimals": self.decimals}
 
     def edit(self, value: Any) -> None:
-        self.tell()  # what was no number, or beyond the ends, is shown as it is now
+        self.tell()  # the page shows the present value again after text, or a number beyond the ends
         isNumber = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not (isNumber and value == value and self.enabled):
             return
@@ -175,7 +179,7 @@ class Number(Widget):
 
 
 class LineEdit(Widget):
-    """A line of text."""
+    """A field for a line of text."""
 
     edited = "text"
     text = shown("", "textChanged")
@@ -186,7 +190,7 @@ class LineEdit(Widget):
 
 
 class ComboBox(Widget):
-    """One of several texts."""
+    """A choice of one of several texts."""
 
     edited = "currentIndex"
     currentIndex = shown(-1, "currentIndexChanged")
@@ -201,7 +205,7 @@ class ComboBox(Widget):
         return self.items[self.currentIndex] if 0 <= self.currentIndex < self.count else ""
 
     def addItem(self, text: str, _data: Any = None) -> None:
-        """Append a text; the first one is chosen."""
+        """Append a text; the first text is chosen."""
         self.items = (*self.items, text)
         if self.currentIndex < 0:
             self.currentIndex = 0
@@ -234,7 +238,7 @@ class ComboBox(Widget):
 
 
 class ProgressBar(Widget):
-    """How far something is."""
+    """A bar that shows the progress of something."""
 
     value, maximum = shown(0), shown(100)
 
@@ -243,8 +247,8 @@ class ProgressBar(Widget):
         return {**super().state(), "value": value, "max": self.maximum}
 
 
-class Section(Widget):
-    """A part of the panel that can be closed."""
+class CollapsibleSection(Widget):
+    """A section of the panel that can be closed."""
 
     edited = "collapsed"
     collapsed = shown(False, "contentsCollapsed")
@@ -256,12 +260,12 @@ class Section(Widget):
 
 
 class Area(Widget):
-    """Something that holds others."""
+    """A widget that holds others."""
 
 
 class Label(Widget):
     """A text to read."""
 
 
-class Line(Widget):
-    """A line between others."""
+class Separator(Widget):
+    """A line between widgets."""

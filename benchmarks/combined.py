@@ -100,7 +100,7 @@ def vessel(name: str) -> tuple[Surface, Centerline, Precision]:
     return read.surface, line, read.precision
 
 
-class DrawnStent(NamedTuple):
+class RandomStent(NamedTuple):
     """A stent drawn at random."""
 
     words: str
@@ -109,7 +109,7 @@ class DrawnStent(NamedTuple):
     deployment: Deployment
 
 
-def random_deployment(seed: int, number: int) -> DrawnStent:
+def random_deployment(seed: int, number: int) -> RandomStent:
     """A stent with its options, determined by seed and number alone; `InputError` for some."""
     rng = np.random.default_rng([seed, number])
     surface, line, precision = vessel(ANATOMIES[number % len(ANATOMIES)])
@@ -142,7 +142,7 @@ def random_deployment(seed: int, number: int) -> DrawnStent:
     deployment = Deployment(
         surface, chain, stent.widest_diameter / 2, settings, precision=precision
     )
-    return DrawnStent(words, axis, deployment)
+    return RandomStent(words, axis, deployment)
 
 
 def _shape(kind: str, rng: np.random.Generator, radius: float, length: float) -> dict[str, Any]:

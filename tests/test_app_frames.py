@@ -10,7 +10,7 @@ from child_processes import PATIENCE
 
 pytest.importorskip("trame_rca", reason="the extra app is not installed")
 
-from SDFStentApp.frames import MOVING_QUALITY, STILL_QUALITY, Frames
+from SDFStentApp.frames import MOVING_QUALITY, STILL_QUALITY, FrameScheduler
 
 SIZE = (40, 30)
 
@@ -32,7 +32,7 @@ def sent(painted, during=None):
     """What is sent until a frame is sharp; `during(frames, sent)` is called with every one."""
 
     async def watch():
-        frames, found, isOver = Frames(painted), [], asyncio.Event()
+        frames, found, isOver = FrameScheduler(painted), [], asyncio.Event()
 
         def push(content, about):
             assert content.startswith(b"\xff\xd8")
@@ -91,7 +91,7 @@ def test_what_is_begun_before_a_frame_goes_on_beside_it():
             order.append("value taken")
             loop.call_later(0, lambda: loop.call_later(0, order.append, "preview begun"))
 
-        frames = Frames(painted, begin)
+        frames = FrameScheduler(painted, begin)
         frames.set_push_callback(lambda *_: isOver.set())
         frames.schedule_render()
         await asyncio.wait_for(isOver.wait(), PATIENCE)
@@ -106,7 +106,7 @@ def test_it_is_a_scheduler_as_trame_rca_defines_them():
     from trame_rca.schedulers import RcaRenderSchedulerProtocol
 
     async def is_one():
-        frames = Frames(Painted())
+        frames = FrameScheduler(Painted())
         isOne = isinstance(frames, RcaRenderSchedulerProtocol)
         await frames.close()
         return isOne

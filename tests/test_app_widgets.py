@@ -11,7 +11,7 @@ from child_processes import PROJECT
 
 from SDFStentApp import template
 from SDFStentApp.tables import CAN_BE_CHECKED, CAN_BE_EDITED, CHECKED, TableItem
-from SDFStentApp.ui_file import Panel
+from SDFStentApp.ui_file import UiPanel
 from SDFStentApp.widgets import Number
 from SDFStentLib.validation import InputError
 
@@ -21,7 +21,7 @@ JUNK = [None, "x", [], {}, float("nan"), [1, 2, 3, 4], [-1, 0], ["a", "b"], {"a"
 
 @pytest.fixture
 def a_panel():
-    return Panel(UI)
+    return UiPanel(UI)
 
 
 def test_every_widget_of_the_panel_is_in_the_page_in_its_order_or_left_out_on_purpose(a_panel):

@@ -180,7 +180,7 @@ def assert_starts_and_ends(folder, arguments, run):
     serving = pytest.importorskip("SDFStentApp.serving")
     if run is not installed:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(serving, "serve", lambda settings, _: print(settings.told))
+            patch.setattr(serving, "serve", lambda settings, _: print(settings.opening))
             return assert_runs(folder, arguments, run)
     process = begun(COMMAND, *arguments, "--no-browser", folder=folder)
     line = process.stdout.readline()

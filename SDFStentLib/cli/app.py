@@ -19,7 +19,7 @@ NEEDED = ("slicer", "trame", "trame_rca", "aiohttp", "SDFStentApp")
 
 def app_command(options: argparse.Namespace, _console: Console) -> int:
     """Serve pages until Ctrl-C."""
-    told = _opening(options)
+    opening = _opening(options)
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
@@ -27,14 +27,14 @@ def app_command(options: argparse.Namespace, _console: Console) -> int:
             "install them: pip install 'sdfstent[app]'."
         )
     serving: Any = importlib.import_module("SDFStentApp.serving")
-    settings = serving.Settings(
+    settings = serving.ServerSettings(
         host=options.host,
         port=options.port,
         opens_browser=not options.no_browser,
         kept_s=options.keep,
         most_pages=options.pages,
         plans=_plans(options.plans),
-        told=told,
+        opening=opening,
     )
     try:
         serving.serve(settings, lambda line: print(line, flush=True))

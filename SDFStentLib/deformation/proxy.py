@@ -180,7 +180,7 @@ def _made(wall: SampledWall, key: int | None) -> _Level:
     return _Level(sample, Spreading(wall, sample), spacing)
 
 
-class _Moved(NamedTuple):
+class _MovedSample(NamedTuple):
     displacement: Points
     """(p, 3) displacement of the whole sample, mm."""
     companions: Points
@@ -191,7 +191,9 @@ class _Moved(NamedTuple):
     """(k,) numbers of these points in the sample."""
 
 
-def _expanded(task: DeploymentTask, rule: StepRule, points: Points, normals: Points) -> _Moved:
+def _expanded(
+    task: DeploymentTask, rule: StepRule, points: Points, normals: Points
+) -> _MovedSample:
     """Run the radius steps of the method on some points of the wall."""
     reach = _reach(task)
     wall, near_wall = within_reach(points, task.capsules, reach)
@@ -229,7 +231,7 @@ def _expanded(task: DeploymentTask, rule: StepRule, points: Points, normals: Poi
     displacement[numbers] = motion.positions - start
     of_wall, of_companions = np.split(displacement, [len(points)])
     on_lumen = finished(motion, stent).positions[is_wall]
-    return _Moved(of_wall, task.companions + of_companions, on_lumen, numbers[is_wall])
+    return _MovedSample(of_wall, task.companions + of_companions, on_lumen, numbers[is_wall])
 
 
 def _reach(task: DeploymentTask) -> float:

@@ -27,7 +27,7 @@ class ErrorLog:
         return self._window.GetOutput()[self._start :]
 
 
-class Application(application.Application):
+class Application(application.MrmlApplication):
     """The application's scene and logics, with files, layouts, an error log and a view."""
 
     def __init__(self):

@@ -55,7 +55,7 @@ class qMRMLWidget(Skin, widgets.Area, QtWidgets.QWidget):
     pass
 
 
-class ctkCollapsibleButton(Skin, widgets.Section, QtWidgets.QWidget):
+class ctkCollapsibleButton(Skin, widgets.CollapsibleSection, QtWidgets.QWidget):
     def _make(self):
         self.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Preferred)
         self._header = QtWidgets.QToolButton(self)
