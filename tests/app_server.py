@@ -30,7 +30,7 @@ QUIET = (
 
 
 class AppServer:
-    """Started with some arguments; what it writes for itself goes into `folder`.
+    """The server, started with some arguments; its own temporary files go into `folder`.
 
     A `browser` is a command that gets the address, as if there were a screen; default: none.
     """
@@ -40,7 +40,7 @@ class AppServer:
     ) -> None:
         self.folder = folder
         folder.mkdir(exist_ok=True)
-        # A pipe that nobody reads would hold up pages that have much to say.
+        # Not a pipe: one that nobody reads would block pages that write much.
         self._said = Path(f"{folder}-said.txt")
         environment = {
             name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
@@ -71,16 +71,17 @@ class AppServer:
         self.origin, self.token = self.address.rstrip("/").rsplit("/", 1)
 
     def pages(self) -> list[psutil.Process]:
-        """The processes behind its pages; one that waits for the next page listens nowhere yet."""
+        """The processes behind its pages, without the one that waits for the next page and listens
+        nowhere yet."""
         children = psutil.Process(self.process.pid).children(recursive=True)
         return [child for child in children if child.net_connections()]
 
     def said(self) -> str:
-        """What it and its pages have said on stderr all in all."""
+        """Everything that the server and its pages have written to stderr so far."""
         return self._said.read_text(encoding="utf-8")
 
     def interrupt(self) -> str:
-        """Ctrl-C; what was said."""
+        """Press Ctrl-C and return what was written."""
         self.process.send_signal(signal.SIGINT)
         self.process.communicate(timeout=PATIENCE)
         return self.said()

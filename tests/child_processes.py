@@ -1,4 +1,4 @@
-"""What the tests give every process that they start and then interrupt."""
+"""Helpers to start processes and to wait for them, so that all of them can be interrupted."""
 
 from __future__ import annotations
 
@@ -23,24 +23,25 @@ PATIENCE = 1800
 
 
 def begun(*words: object, folder: Path = PROJECT, **more: Any) -> subprocess.Popen[str]:
-    """A process with its words, in a folder."""
+    """A new process with these words as its command line, in a folder."""
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen([*map(str, words)], cwd=folder, **{**streams, **INTERRUPTIBLE, **more})
 
 
 def ended(process: subprocess.Popen[str]) -> subprocess.CompletedProcess[str]:
-    """What a process did."""
+    """The outcome of a process, after it has ended."""
     said = process.communicate(timeout=PATIENCE)
     return subprocess.CompletedProcess(process.args, process.returncode, *said)
 
 
 def installed(*words: object, folder: Path, **more: Any) -> subprocess.CompletedProcess[str]:
-    """What the installed command does in a folder, as a user starts it."""
+    """The outcome of the installed command in a folder, started as a user starts it."""
     return ended(begun(COMMAND, *words, folder=folder, **more))
 
 
 def python(program: str, *words: object, **more: Any) -> subprocess.CompletedProcess[str]:
-    """What a program does in a process of its own, where a warning of numbers is an error."""
+    """The outcome of a Python program in a process of its own, where every RuntimeWarning is an
+    error."""
     strict = ["-W", "error::RuntimeWarning"]
     return ended(begun(sys.executable, *strict, "-c", program, *words, **more))
 
@@ -55,7 +56,7 @@ print(json.dumps([run.returncode, run.stdout + run.stderr, peak, used.ru_utime])
 
 
 class Measured(NamedTuple):
-    """Exit code of a command, what it said, its largest memory, MB, and its processor time, s."""
+    """Exit code of a command, its output, its largest memory in MB, and its processor time in s."""
 
     code: int
     said: str
@@ -64,9 +65,9 @@ class Measured(NamedTuple):
 
 
 def measured(*arguments: object, folder: Path) -> Measured:
-    """What the installed command does, and what that takes.
+    """The outcome of the installed command, with its memory and processor time.
 
-    By a process between: a child starts with the peak of its parent, that of the tests is high, and
-    a parent knows the largest of all its children only.
+    A process in between measures it: a child starts with the peak memory of its parent, which is
+    high for the tests, and a parent knows only the largest peak of all its children.
     """
     return Measured(*json.loads(python(_MEASURED, COMMAND, *arguments, folder=folder).stdout))

@@ -1,4 +1,4 @@
-"""Small cohorts that the tests share: stents in a stenosed tube, and in its double."""
+"""Small cohorts that the tests share: stents in a stenosed tube, and in one of twice its size."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def tube_folder(folder: Path) -> Path:
 
 
 def document(**changes):
-    """A sweep of 6 cases; changes replace its parts, None takes them out."""
+    """The document of a sweep of 6 cases; `changes` replace its parts, None removes one."""
     found = {
         "schema": "sdfstent-sweep",
         "version": 1,
@@ -36,12 +36,12 @@ def document(**changes):
 
 
 def sweep_in(folder: Path, **changes):
-    """A sweep on the files of a folder."""
+    """A sweep over the files of a folder."""
     return sweep_from_document(document(**changes), str(folder))
 
 
 def write_sweep(folder: Path, name: str = "sweep.json", **changes) -> Path:
-    """The document of a sweep as a file."""
+    """Write the document of a sweep to a file."""
     path = folder / name
     path.write_text(json.dumps(document(**changes)), encoding="utf-8")
     return path
@@ -70,11 +70,11 @@ sys.addaudithook(wait)
 
 
 def hold_at(folder: Path, count: int) -> dict[str, str]:
-    """From now on sweeps into `out` store no case after so many, until `let_go`.
+    """From now on sweeps into `out` store no case after the first `count`, until `let_go`.
 
     Returns the environment for their processes and workers: Python executes `sitecustomize` first,
-    and tells it when a folder for a case is made. So a test need not be fast. A process that waits
-    leaves a file `held-PID`.
+    whose audit hook hears of every folder made for a case. So a test need not be fast. A process
+    that waits leaves a file `held-PID`.
     """
     (folder / "sitecustomize.py").write_text(_HOLDING, encoding="utf-8")
     part = folder / "hold.part"
@@ -89,21 +89,21 @@ def let_go(folder: Path) -> None:
 
 
 def whole_cases(folder: Path) -> list[Path]:
-    """Cases of the cohort in `out` that are whole."""
+    """The complete cases of the cohort in `out`."""
     return list((folder / "out").glob("cases/*/[!.]*/case.json"))
 
 
 def wait_for(condition: Callable[[], Any], seconds: float = PATIENCE) -> None:
-    """Until something is true; a machine may be busy."""
+    """Wait until a condition is true; a machine may be busy."""
     end = time.monotonic() + seconds
-    # Ends: at the latest after those seconds.
+    # Ends after those seconds at the latest.
     while not condition():
         assert time.monotonic() < end, "it did not happen"
         time.sleep(0.02)
 
 
 def bytes_of(folder: Path) -> dict[str, bytes]:
-    """All files of a cohort but those that hold times, counts and the lock."""
+    """The content of all files of a cohort except those with times, counts and the lock."""
     return {
         path.relative_to(folder).as_posix(): path.read_bytes()
         for path in sorted(folder.rglob("*"))

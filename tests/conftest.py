@@ -1,4 +1,4 @@
-"""What every test file shares: the real anatomies, which are optional."""
+"""Fixtures of all test files, and the optional real anatomies."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from SDFStentLib.deformation import deployment as engine
 
 # How long an example takes says more about the machine than about the code.
 settings.register_profile("new", deadline=None, suppress_health_check=[HealthCheck.too_slow])
-# The same examples for everybody, so that what passes here passes there; a search for other ones:
-# HYPOTHESIS_PROFILE=new.
+# The same examples for everybody, so that what passes here passes there. To search for other
+# examples set HYPOTHESIS_PROFILE=new.
 settings.register_profile("same", settings.get_profile("new"), derandomize=True, database=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
@@ -30,7 +30,8 @@ DATA_FOLDER = Path(
 
 @pytest.fixture(scope="session")
 def data_dir() -> Path:
-    """The folder of real anatomies; tests that need it skip, saying so, where it is absent."""
+    """The folder of real anatomies; tests that need it are skipped, with the reason, if it is
+    absent."""
     if not (DATA_FOLDER / "pulmonary_surface_cm.vtp").is_file():
         pytest.skip(f"real anatomies not found in {DATA_FOLDER}; set SDFSTENT_DATA to their folder")
     return DATA_FOLDER
@@ -38,7 +39,8 @@ def data_dir() -> Path:
 
 @pytest.fixture
 def a_folder(tmp_path, monkeypatch):
-    """A working folder with a tube of 6 mm, narrowed to 3.6, its centerline and an axis, in cm."""
+    """A working folder with a tube of 6 mm narrowed to 3.6 mm, its centerline and an
+    axis, in cm."""
     write_tube(tmp_path)
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -46,7 +48,7 @@ def a_folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def shell(monkeypatch, capsys):
-    """Does in this process what the installed command does in a folder."""
+    """A function that does in this process what the installed command does in a folder."""
 
     def run(*words: object, folder: Path) -> CompletedProcess[str]:
         monkeypatch.chdir(folder)
@@ -67,7 +69,7 @@ def sweep() -> ModuleType:
 
 @pytest.fixture
 def attempts(monkeypatch):
-    """Every attempt that a deployment makes."""
+    """A list of all attempts that a deployment makes."""
     made = []
     plain = engine.Attempt
 

@@ -73,13 +73,14 @@ def vessel_named(request):
 
 
 def leaf_path(vessel: Vessel, leaf: int = 0):
-    """The centerline from its root to one of its leaves, in the order of the points."""
+    """The path of the centerline from its root to one of its leaves, with points in this order."""
     line = vessel.centerline
     return line.path(line.points[line.roots[0]], line.points[np.sort(line.leaves)[leaf]])
 
 
 def anatomy_case(folder, name, start, length, ratio=1.25, radius=None, leaf=0) -> Case:
-    """A stent over an arc-length range of a path; by default `ratio` times the widest lumen."""
+    """A stent over a range of arc length of a path; its radius is by default `ratio` times that of
+    the widest lumen."""
 
     vessel = anatomy(folder, name)
     path = leaf_path(vessel, leaf)
@@ -121,7 +122,7 @@ def phantom_case(name: str, **sizes) -> Case:
 
 
 def hairpin(apart=8.0, leg=20.0, count=60):
-    """An axis that comes back beside itself, its legs `apart` mm from each other."""
+    """An axis that turns back beside itself, with legs `apart` mm from each other."""
     turn = np.linspace(0, np.pi, count)
     half = apart / 2
     bow = np.column_stack([half - half * np.cos(turn), 0 * turn, leg + half * np.sin(turn)])

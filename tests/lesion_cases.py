@@ -1,4 +1,4 @@
-"""Random vessels whose lesions are known, for the tests that look for them."""
+"""Random vessels with known lesions, for the tests of their detection."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from SDFStentLib.vessel.runs import VesselRun
 
 
 class Known(NamedTuple):
-    """A lesion that was built: where it is narrowest, and its degree by diameter."""
+    """A lesion that was built: the place of its smallest width, and its degree by diameter."""
 
     point: np.ndarray
     percent: float
@@ -36,7 +36,7 @@ def tapering(first, last, length):
 
 
 def narrowed(healthy, lesions):
-    """A radius by arc length with lesions (center, half length, depth)."""
+    """The radius by arc length of a healthy vessel with lesions (center, half length, depth)."""
 
     def radius(at):
         value = healthy(at)
@@ -48,7 +48,7 @@ def narrowed(healthy, lesions):
 
 
 def with_noise(points, triangles, amount, random):
-    """Points displaced across the wall by up to `amount` mm."""
+    """The points displaced across the wall by up to `amount` mm."""
     if amount == 0:
         return points
     from SDFStentLib.geometry import vertex_normals
@@ -89,9 +89,9 @@ def tube_case(seed: int, count: int) -> Case:
 
 
 def bifurcation_case(seed: int, where: str | None, fineness: float = 0.3) -> Case:
-    """A trunk that divides; a lesion in the trunk, at an ostium, farther on, or none.
+    """A trunk that divides, with a lesion in the trunk, at an ostium or farther on, or without one.
 
-    Edges are as long as so much of the smallest radius.
+    `fineness` is the length of the edges relative to the smallest radius.
     """
     random = np.random.default_rng(seed)
     trunk = random.uniform(4.0, 6.0)
@@ -99,7 +99,7 @@ def bifurcation_case(seed: int, where: str | None, fineness: float = 0.3) -> Cas
     left = trunk * share
     right = trunk * (1 - share ** (7 / 3)) ** (3 / 7)
     before, after = 8 * trunk, 16 * left
-    # Where the branches part, some trunk radii on, the main line has the left branch's width.
+    # Where the branches part, after some trunk radii, the main line has the left branch's width.
     main = planar_axis(
         [(before, 0.0), (6 * trunk, 1 / (12 * trunk)), (after, 0.0)], toward=(-1, 0, 0)
     )
@@ -130,7 +130,7 @@ def bifurcation_case(seed: int, where: str | None, fineness: float = 0.3) -> Cas
     made = assembled("bifurcation", patch, vessels, [])
     known = []
     for center, reach, _ in lesions:
-        # Where the branches still share a lumen, it is wider than the one that was narrowed.
+        # Where the branches still share a lumen, it is wider than the narrowed branch.
         at = np.linspace(center - reach, center + reach, 200)
         wall = patch.points[np.unique(patch.triangles[patch.face_ids == 1])]
         degree = 1 - union.inscribed_radii(main.point(at), wall) / healthy(at)
@@ -143,7 +143,7 @@ SPACING = 0.5
 
 
 def vessel_along(diameter, parent=-1, along=None, *, start=0.0) -> VesselRun:
-    """A vessel along z, so wide at its stations."""
+    """A vessel along z with these diameters at its stations."""
     along = start + SPACING * np.arange(len(diameter)) if along is None else np.array(along)
     columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
     return VesselRun(Line(columns[0]), *columns[1:], along, (), (), parent, parent + 1, 5.0, 1)

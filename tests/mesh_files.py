@@ -10,7 +10,7 @@ from SDFStentLib.validation import InputError
 
 
 def octahedron(radius=30.0, rounds=2):
-    """A closed, outward surface of 8 * 4**rounds triangles on a sphere."""
+    """A closed surface of 8 * 4**rounds triangles on a sphere, oriented outward."""
     points = np.concatenate([np.eye(3), -np.eye(3)])
     triangles = np.array(
         [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]
@@ -28,7 +28,7 @@ def octahedron(radius=30.0, rounds=2):
 
 
 def open_tube(radius=5.0, length=60.0, around=24, along=30):
-    """A tube along z from 0 to `length`, open at both ends, outward."""
+    """A tube along z from 0 to `length`, open at both ends, oriented outward."""
     angle = np.arange(around) * 2 * np.pi / around
     ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     heights = np.linspace(0, length, along + 1)
@@ -40,7 +40,7 @@ def open_tube(radius=5.0, length=60.0, around=24, along=30):
 
 
 def assert_refused_by_name(read, path, words):
-    """One sentence with the file's name and these words."""
+    """Assert that reading fails with one sentence that has the file's name and these words."""
     with pytest.raises(InputError, match=words) as caught:
         read(path)
     assert str(path) in str(caught.value)
@@ -48,7 +48,7 @@ def assert_refused_by_name(read, path, words):
 
 
 def read_vtk(path):
-    """As the solvers read it: by VTK's own reader."""
+    """The file as VTK's own reader reads it, which the solvers use."""
     volume = path.suffix == ".vtu"
     reader = vtkXMLUnstructuredGridReader() if volume else vtkXMLPolyDataReader()
     reader.SetFileName(str(path))

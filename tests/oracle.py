@@ -1,4 +1,5 @@
-"""The published method in its plainest form, straight from the paper: what the engine must equal.
+"""The published method in its plainest form, straight from the paper: the engine must give the
+same.
 
 Source: SDFStent, arXiv 2605.22009, section 2. Names of the paper's quantities are in the comments.
 Nothing in here is skipped, culled, windowed or stored between steps, and nothing is imported from
@@ -35,12 +36,12 @@ def capsule_distance(points, a, b):
 
 
 def kernel(x):
-    """g of the paper's second form of the smooth minimum."""
+    """The function g in the paper's second form of the smooth minimum."""
     return np.where(x < -1, 0, np.where(x > 1, x, (x * (x + 2) + 1) / 4))
 
 
 def kernel_slope(x):
-    """g'."""
+    """The derivative g' of the kernel."""
     return np.where(x < -1, 0, np.where(x > 1, 1, (x + 1) / 2))
 
 
@@ -56,7 +57,8 @@ def smin(first, second, k):
 
 
 def field(points, nodes, k):
-    """Segment by segment from the distal to the proximal end; `nodes` run proximal to distal."""
+    """The field, composed segment by segment from the distal to the proximal end; `nodes` run from
+    proximal to distal."""
     nodes = nodes[::-1]
     result = PlainField(*capsule_distance(points, nodes[0], nodes[1]))
     for a, b in pairwise(nodes[1:]):
@@ -69,7 +71,7 @@ def fall_off(d, influence):
 
 
 def nearest_distance(points, targets):
-    """Brute force: every point against every target."""
+    """The distance of every point to the nearest target, by brute force."""
     from scipy.spatial.distance import cdist
 
     rows = max(1, BLOCK // max(len(targets), 1))
@@ -83,10 +85,7 @@ def nearest_distance(points, targets):
 def step(
     vertices, nodes, radius, growth, *, k=0.4, influence=6.5, contact_threshold=0.01, wall=None
 ):
-    """One pass of the loop in algorithm 1: contact set, influence set, displacement, taper.
-
-    Only the first `wall` vertices can be touched; by default all.
-    """
+    """One pass of the loop in algorithm 1: contact set, influence set, displacement, taper."""
     distance, gradient = field(vertices, nodes, k)
     phi = distance - radius
     contact = phi < contact_threshold
@@ -115,7 +114,7 @@ def radii(start, target, increment):
 
 
 def deployed(vertices, nodes, start, target, increment=0.1, **parameters):
-    """Algorithm 1: all vertices after the last step."""
+    """All vertices after the last step of algorithm 1."""
     vertices = np.array(vertices, dtype=float)
     for radius, growth in radii(start, target, increment):
         vertices = step(vertices, nodes, radius, growth, **parameters)

@@ -1,4 +1,4 @@
-"""Ostia by plain ray casting with VTK: what the library's rule is held against.
+"""Ostia found by plain ray casting with VTK, as a reference for the library's rule.
 
 Rays, centers, expected wall and openings are all computed in another way than in the library; only
 the definition is common. Slow on purpose.
@@ -79,7 +79,7 @@ def cast(caster, centers, directions, count=RAYS):
 
 
 def opened(values, size):
-    """Largest of the smallest values over the windows of so many rows that hold a row."""
+    """The largest of the smallest values over all windows of `size` rows that contain a row."""
     padded = np.pad(values, ((size - 1, size - 1), (0, 0)), mode="edge")
     lowest = sliding_window_view(padded, size, axis=0).min(axis=-1)
     return sliding_window_view(lowest, size, axis=0).max(axis=-1)
@@ -93,13 +93,13 @@ def expected(lengths, radius):
 
 
 def leads_away(hits, centers, wall):
-    """How far from the path, in widths of the vessel there, the rays end.
+    """The distance of the rays' ends from the path, in widths of the vessel there.
 
     A ray that runs back along the vessel itself, in a sharp bend, ends near the path.
     """
     is_met = np.isfinite(hits).all(axis=2)
     distance, nearest = KDTree(centers).query(np.where(is_met[..., None], hits, 0.0))
-    width = np.median(wall, axis=1)[nearest]  # none where the path lies on the wall
+    width = np.median(wall, axis=1)[nearest]  # zero where the path lies on the wall
     away = np.divide(distance, width, out=np.zeros_like(distance), where=width > 0)
     return np.where(is_met, away, 0.0)
 
@@ -110,17 +110,17 @@ def openings(points, triangles, axis, before, stent_length, leaves=1.15, depth=1
 
 
 def openings_at(points, triangles, axis, before, stent_length, thresholds, depth=1.7):
-    """The openings for each of several ideas of how far the wall must leave the vessel."""
+    """The openings for each of several thresholds of how far the wall must leave the vessel."""
     caster = RayCaster(points, triangles)
     _, centers, directions = stations_of(axis, 2.0)
     lengths, _ = cast(caster, centers[::4], directions[::4])
     sides = np.percentile(lengths, 30, axis=1, method="lower")
     radius = float(np.median(sides[np.isfinite(sides)]))
     positions, centers, directions = stations_of(axis, radius)
-    for count in (FEW_RAYS, FEW_RAYS, RAYS):  # few tell where the middle is
+    for count in (FEW_RAYS, FEW_RAYS, RAYS):  # a few rays suffice to find the middle
         lengths, rays = cast(caster, centers, directions, count)
         wall = expected(lengths, radius)
-        # Middle of the expected section: its corners' triangles, weighted by area.
+        # Center of the expected section: the mean of its triangles, weighted by area.
         corners = np.where(np.isfinite(wall), wall, 0)[..., None] * rays
         following = np.roll(corners, -1, axis=1)
         area = np.linalg.norm(np.cross(corners, following), axis=2)
@@ -129,7 +129,7 @@ def openings_at(points, triangles, axis, before, stent_length, thresholds, depth
         middle[~np.isfinite(wall).all(axis=1)] = 0
         sigma = radius / 2 / SPACING
         centers = centers + ndimage.gaussian_filter1d(middle, sigma, axis=0, mode="nearest")
-    # Where both are infinite, or none, the wall is where it is expected.
+    # If both are infinite, or neither is, the wall is where it is expected.
     ratio = np.divide(lengths, wall, out=np.ones_like(lengths), where=lengths != wall)
     away = leads_away(centers[:, None] + lengths[..., None] * rays, centers, wall)
     at = positions - before

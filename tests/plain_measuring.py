@@ -1,4 +1,4 @@
-"""Measuring the plain way, station by station, for the fast way to agree with."""
+"""Measuring in the plain way, station by station, as a reference for the fast way."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ THINNED_ABOVE, THINNING = 8000, 8
 
 
 def measured_around(surface, stations):
-    """The profile of stations, measured where nothing is known of any."""
+    """The profile of stations, measured without any known result."""
     wall = open_at_ends(surface, stations.points)
     measured = measured_at(surface, stations.points, stations.directions, wall.triangles)
     return profile_around(surface, stations, measured, wall.caps)
 
 
 def nearest_points(query, corners):
-    """Of every triangle (m, 3, 3) the point that is nearest to the query."""
+    """The point of every triangle (m, 3, 3) that is nearest to the query."""
     a, b, c = np.moveaxis(corners, 1, 0)
     u, v = b - a, c - a
     normal = np.cross(u, v)
@@ -38,7 +38,8 @@ def nearest_points(query, corners):
 
 
 def winding_numbers(queries, points, triangles):
-    """How often a surface goes round each query, a half on it: its solid angle over 4 pi.
+    """How often a surface winds round each query point, a half for a point on it: the solid angle
+    over 4 pi.
 
     Van Oosterom and Strackee 1983, doi 10.1109/TBME.1983.325207.
     """
@@ -49,14 +50,14 @@ def winding_numbers(queries, points, triangles):
         volume = (np.cross(a, b) * c).sum(axis=1)
         rest = (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
         angle = 2 * np.arctan2(volume, la * lb * lc + rest)
-        # Of a triangle in whose plane the query lies, rounding would tell the side.
+        # For a triangle whose plane contains the query, rounding would decide the side.
         angle[np.abs(volume) <= 1e-9 * (la * lb + lb * lc + lc * la)] = 0.0
         total[number] = angle.sum()
     return np.abs(total) / (4 * np.pi)
 
 
 def climbed(corners, center, axes, box, tolerance):
-    """The largest sphere that steps of rising linear models reach; its centre and its radius."""
+    """Center and radius of the largest sphere that a climb in steps of linear models reaches."""
     half = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max()
     for _ in range(200):
         apart = np.linalg.norm(corners.mean(axis=1) - center, axis=1)
@@ -78,7 +79,7 @@ def climbed(corners, center, axes, box, tolerance):
 
 
 def plain_sphere(points, triangles, start, direction):
-    """Centre and radius of the largest sphere across the axis that a climb from there reaches."""
+    """Center and radius of the largest sphere across the axis that a climb from `start` reaches."""
     levels = [triangles]
     while len(levels[-1]) >= THINNED_ABOVE:
         count = len(levels[-1])

@@ -1,4 +1,4 @@
-"""Random polydata of every kind, and what VTK's own readers and writers make of it."""
+"""Random polydata of every kind, and the files and results of VTK's own writers and readers."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ LETTERS = [*"abcXYZ019 %:;.-_äé€\U0001f600"]
 
 
 def random_polydata(seed, *, as_text=False):
-    """Points and cells of all four kinds, arrays of all types, in roles, with component names.
+    """Points and cells of all four kinds, with arrays of all types, in roles and with component
+    names.
 
-    For text without what VTK 9.6 writes and cannot read: infinity and NaN.
+    Polydata for text files have no infinity and NaN, which VTK 9.6 writes but cannot read.
     """
     random = np.random.default_rng(seed)
     count = int(random.integers(3, 60))
@@ -67,7 +68,9 @@ def random_array(kind, count, components, random, as_text):
     if kind in ("bit", "text", "char"):
         name = {"bit": "vtkBitArray", "text": "vtkStringArray", "char": "vtkCharArray"}[kind]
         array = getattr(vtkCommonCore, name)()
-        components = 1 if kind == "bit" else components  # of more, VTK writes only a part
+        components = (
+            1 if kind == "bit" else components
+        )  # VTK writes only a part of several components
         array.SetNumberOfComponents(components)
         array.SetNumberOfTuples(count)
         for number in range(count * components):
@@ -140,7 +143,8 @@ def read_by_vtk(path):
 
 
 def everything_of(polydata):
-    """All of polydata as plain values: bits of numbers, types, names, roles, in their order."""
+    """All content of polydata as plain values: bits of numbers, types, names and
+    roles, in order."""
     found = {"points": array_values(polydata.GetPoints().GetData())[1:]}
     for kind in KINDS:
         cells = vtkCellArray()
@@ -162,7 +166,8 @@ def everything_of(polydata):
 _SAME = {VTK_CHAR: VTK_SIGNED_CHAR}
 """Types of which VTK's readers take one for the other."""
 if vtkLongArray().GetDataTypeSize() == 8:
-    # VTK 9.7 makes the first of 64-bit integers of NumPy, VTK before it, and readers, the second.
+    # From NumPy's 64-bit integers VTK 9.7 makes the first type; older VTK and all readers make the
+    # second.
     _SAME |= {VTK_LONG: VTK_LONG_LONG, VTK_UNSIGNED_LONG: VTK_UNSIGNED_LONG_LONG}
 
 

@@ -1,4 +1,4 @@
-"""How many random cases a test tries."""
+"""The number of random cases that a test tries."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ import pytest
 
 
 def seeds(few: int, count: int) -> list:
-    """A few seeds for `make test`, and for `make bench` so many."""
+    """A few seeds for `make test`, and `count` for `make bench`."""
     more = (pytest.param(seed, marks=pytest.mark.bench) for seed in range(few, count))
     return [*range(few), *more]

@@ -1,4 +1,4 @@
-"""Phantoms as files, most of all a stenosed tube in cm, and the command line on these."""
+"""Phantoms as files, mainly a stenosed tube in cm, and the command line with them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PLACE = ["--center", "0", "0", "2", "--length", "20"]  # cm; the throat of the t
 
 
 def write_tube(folder):
-    """The tube, its centerline and an axis through its throat."""
+    """Write the tube, its centerline and an axis through its throat."""
     vessel = stenosed_tube(edge_length=1.0)
     surface = polydata_from_arrays(
         (vessel.points / 10).astype(np.float32),
@@ -30,7 +30,7 @@ def write_tube(folder):
 
 
 def write_vessel(folder, vessel, surface="pa.vtp", line="line.vtp", *, per_mm=0.1, radii=False):
-    """A phantom, its wall with ids of faces but without names, and its centerline; in cm."""
+    """Write a phantom in cm: its wall, with ids of faces but without names, and its centerline."""
     wall = polydata_from_arrays(per_mm * vessel.points, vessel.triangles)
     add_arrays(wall, {}, {"ModelFaceID": vessel.face_ids.astype(np.int32)})
     tree = vessel.centerline
