@@ -28,6 +28,8 @@ class TypedNumber:
         self._edit, self._box, self._attempt = edit, edit.parent(), attempt
         self._typed = None
         edit.setValidator(None)
+        # Else every digit is a value of its own, and "99" has set 9 before it is refused.
+        self._box.setProperty("keyboardTracking", False)
         edit.textEdited.connect(self._onTyped)
         self._box.editingFinished.connect(self._onFinished)
 
@@ -47,8 +49,9 @@ class TypedNumber:
         value = self._numberOf(typed)
         least, most = (self._box.property(name) for name in ("minimum", "maximum"))
         if value is None or not least <= value <= most:
-            unit = self._box.property("suffix")
-            got = typed.strip() if value is None else f"{value:g}{unit}"
+            unit, got = self._box.property("suffix"), self._wordsOf(typed)
+            if value is not None:
+                got = f"{value:g}{unit}"
             raise InputError(
                 f"Expected {least:g} to {most:g}{unit}, got {got or 'nothing'}; it stays {self._box.property('value'):g}{unit}."
             )
@@ -57,15 +60,18 @@ class TypedNumber:
 
     def _numberOf(self, typed):
         """What was typed as a number; None for what is none. A special text stands for the least one."""
-        text = typed.strip()
-        if text == self._box.property("specialValueText").strip() != "":
+        if typed.strip() == self._box.property("specialValueText").strip() != "":
             return self._box.property("minimum")
-        unit = self._box.property("suffix").strip()
-        # Ends: every turn takes some of the text.
-        while unit and text.endswith(unit):  # that of the box, and one that was typed
-            text = text.removesuffix(unit).rstrip()
         try:
-            value = float(text)
+            value = float(self._wordsOf(typed))
         except ValueError:
             return None
         return value if math.isfinite(value) else None
+
+    def _wordsOf(self, typed):
+        """What was typed, without units: that of the box stays when all else is deleted, and one may have been typed."""
+        text, unit = typed.strip(), self._box.property("suffix").strip()
+        # Ends: every turn takes some of the text.
+        while unit and text.endswith(unit):
+            text = text.removesuffix(unit).rstrip()
+        return text

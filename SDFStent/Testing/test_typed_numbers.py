@@ -60,3 +60,14 @@ def test_what_does_not_fit_is_refused_with_a_sentence(host, aStent, name, text):
     if not fits:
         assert f"{least:g} to {most:g}" in told
         assert f"it stays {before:g}" in told
+    if not text:
+        assert "got nothing" in told
+
+
+def test_no_digit_is_a_value_of_its_own(host, aStent):
+    """In the application a slider's number counts every key: a stent of 12.5 mm was one of 1 mm first."""
+    settle(host, aStent)
+    heard = []
+    aStent.ui.diameterSlider.connect("valueChanged(double)", heard.append)
+    typeIn(host, aStent, "diameterSlider", "12.5")
+    assert heard == [12.5]

@@ -99,7 +99,6 @@ class ctkSliderWidget(Skin, widgets.Number, QtWidgets.QWidget):
         self._slider = QtWidgets.QSlider(Qt.Horizontal, self)
         self._slider.setRange(0, 1000)
         self._spinBox = QtWidgets.QDoubleSpinBox(self)
-        self._spinBox.setKeyboardTracking(False)
         self._row(self._slider, self._spinBox)
         self._slider.valueChanged.connect(self._onSlider)
         self._spinBox.valueChanged.connect(self.edit)
