@@ -3,7 +3,7 @@
 import numpy as np
 from slicer.i18n import tr as _
 
-from . import Results
+from . import Results, Showing
 from .Charts import createChart
 from .Handles import CURVE, POINTS
 from .Marks import createMark, removeMark
@@ -31,18 +31,19 @@ class LesionMarks:
 
     def __init__(self):
         self._lesions, self._numbers, self._extent, self._chart = (), None, None, []
-        self.plotted = None
+        self.plotted = self._selected = None
 
     def show(self, lesions):
         """Mark the library's lesions in place of all former ones; none of them is selected."""
         for node in (self._numbers, *self._chart):
             removeMark(node)
         self._lesions, self._numbers, self._chart, self.plotted = lesions, None, [], None
-        if lesions:
-            texts = [f" {number} " for number in range(1, len(lesions) + 1)]
-            self._numbers = _locked(createMark(POINTS, _("Lesions"), _besides(lesions), texts))
-            _asSigns(self._numbers.GetDisplayNode())
-        self.select(None)
+        with Showing.inOneFrame():
+            if lesions:
+                texts = [f" {number} " for number in range(1, len(lesions) + 1)]
+                self._numbers = _locked(createMark(POINTS, _("Lesions"), _besides(lesions), texts))
+                _asSigns(self._numbers.GetDisplayNode())
+            self._mark(None)
 
     def hideLine(self):
         """Take away the line along the one that is marked strongly."""
@@ -50,8 +51,14 @@ class LesionMarks:
         self._extent = None
 
     def select(self, index):
-        """Mark one of them strongly, or None."""
+        """Mark one of them strongly, or None; what is marked so already stays."""
+        if index != self._selected or (index is None) != (self._extent is None):
+            with Showing.inOneFrame():
+                self._mark(index)
+
+    def _mark(self, index):
         self.hideLine()
+        self._selected = index
         for number in range(len(self._lesions)):
             self._numbers.SetNthControlPointSelected(number, number == index)
         if index is not None:

@@ -6,7 +6,7 @@ from slicer.i18n import tr as _
 from SDFStentLib.report import degree_word, lesion_sentences
 from SDFStentLib.vessel import SMALLEST_DEGREE
 
-from . import Clock
+from . import Clock, Showing
 from .LesionMarks import LesionMarks
 from .PanelParts import fitColumns
 from .Portions import SteppedRun, working
@@ -170,10 +170,14 @@ class LesionTable:
     def _selectionChanged(self):
         self._offer()
         if not self._updating:
-            self._marks.select(None if self.selected is None else self.ui.lesionTable.currentRow())
-            if self.selected is not None:
-                self._plot(self.ui.lesionTable.currentRow())
-                self._onSelect(self.selected)
+            with Showing.inOneFrame():
+                self._goTo(None if self.selected is None else self.ui.lesionTable.currentRow())
+
+    def _goTo(self, row):
+        self._marks.select(row)
+        if row is not None:
+            self._plot(row)
+            self._onSelect(self.selected)
 
     def _plot(self, row):
         """As long as there is no result to be plotted."""

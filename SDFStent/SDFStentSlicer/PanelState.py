@@ -1,6 +1,7 @@
 """What the panel lets be done and says: enabled widgets, ends of sliders, headings, the status line, lines in the 3D views."""
 
 import math
+import textwrap
 from html import escape
 
 import slicer
@@ -101,12 +102,20 @@ COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72
 BACKGROUND = (0.08, 0.10, 0.13)
 """Nothing is seen through it: letters of the view's axes would be read as some of the lines."""
 LARGEST_FONT = 18
+LONGEST_ROW = 52
+"""Characters: a view of four on a small screen is as wide. A longer row is cut there, after all letters have shrunk for it."""
 
 
-def _kindOf(lines):
+def _kindOf(lines, isCaution):
     """Nothing is good beside a warning, whatever the certificate says; and a warning is one while a hand still moves."""
-    isWarned = any(line.startswith(WARNING) for line in lines)
+    isWarned = isCaution or any(line.startswith(WARNING) for line in lines)
     return BAD if isWarned else KINDS.get(lines[-1], PENDING)
+
+
+def _inRows(text):
+    """Lines, long ones in several rows."""
+    rows = [textwrap.wrap(line, LONGEST_ROW, subsequent_indent="  ") for line in text.split("\n")]
+    return "\n".join(row for line in rows for row in line)
 
 
 class AtHand:
@@ -115,24 +124,28 @@ class AtHand:
     def __init__(self):
         self.text, self.kind = "", PENDING
 
-    def show(self, text, instead=""):
-        """Show lines, one a row; `instead` of the last what else is to be known of them, where something is."""
+    def show(self, text, instead="", isCaution=False):
+        """Show lines; `instead` of the last what else is to be known of them, where something is.
+
+        `isCaution` says whether any of the panel's tiles is one: both have the same color then.
+        """
         lines = text.split("\n")
         if text and instead:
             lines[-1] = instead
-        self.text, self.kind = "\n".join(lines), PENDING if instead else _kindOf(lines)
+        self.text, self.kind = "\n".join(lines), PENDING if instead else _kindOf(lines, isCaution)
         self.write()
 
     def write(self):
         """Write the lines into the views that do not show them yet, as those of another layout."""
+        rows = _inRows(self.text)
         for view in Showing.threeDViews():
             corner = view.cornerAnnotation()
             font, color = corner.GetTextProperty(), COLORS[self.kind]
             shown = corner.GetText(vtkCornerAnnotation.UpperLeft) or ""
-            if shown == self.text and (not shown or font.GetColor() == color):
+            if shown == rows and (not shown or font.GetColor() == color):
                 continue
             corner.SetMaximumFontSize(LARGEST_FONT)
-            corner.SetText(vtkCornerAnnotation.UpperLeft, self.text)
+            corner.SetText(vtkCornerAnnotation.UpperLeft, rows)
             font.SetColor(*color)
             font.BoldOn()  # thin letters are hard to read from where an operator stands
             font.ShadowOff()
@@ -302,7 +315,7 @@ class PanelState:
             Charts.fadeChart(parameterNode.outputChart, isOld or not isTold)
         instead = _("seen before the stents") if isBefore else ""
         instead = _("changed since; not deployed yet") if isOld else instead
-        self.atHand.show(parameterNode.atHand, instead)
+        self.atHand.show(parameterNode.atHand, instead, any(one.is_caution for one in tiles))
         told = standing.missing, parameterNode.status
         of = parameterNode, standing.signature, Flow.toldFlow(parameterNode)
         isAsBefore = told[1] == self._told[1] and parameterNode is self._toldOf[0]

@@ -1,5 +1,7 @@
 """The few lines over the 3D view that follow the hand."""
 
+import json
+
 import numpy as np
 import pytest
 import slicer
@@ -82,6 +84,32 @@ def test_a_stent_beside_its_lesion_still_tells_of_it(host, aStent):
     assert lesion.stents == ()
     told = f"no lesion covered; lesion 1: {lesion.after.percent_diameter:.0f} % left"
     assert told in corner()[0]
+
+
+def test_lines_have_the_color_of_the_tiles(host, aStent):
+    """A lesion that is left alone is no warning of the treatment, but its tile is one, and the lines beside it were green."""
+    host.processUntil(lambda: not aStent.lesions.isBusy)
+    aStent.ui.diameterSlider.value, aStent.ui.lengthSlider.value = 7.0, 10.0
+    seen = set()
+    for step in (0.0, 12.0, 4.0):
+        aStent._moveStent(step)
+        deploy(host, aStent)
+        tiles = json.loads(aStent._parameterNode.tiles)
+        isCaution = any(tile[-1] for tile in tiles)
+        assert (aStent._state.atHand.kind == "bad") == isCaution
+        seen.add((isCaution, isWarned(aStent)))
+    assert (True, False) in seen
+
+
+def test_no_line_is_wider_than_a_view_of_four(aStent):
+    """In the application it was cut at the edge: "narrowed 2.4 -> 1.9 mm," and nothing of two more."""
+    line = "warning: side branch of 2.1 mm with 3 outlets at 21 mm narrowed 2.4 -> 1.9 mm, 2 more"
+    aStent._state.atHand.show(f"6.6 x 30.6 mm\n{line}\ncertified for meshing")
+    rows, _annotation = corner()
+    assert max(map(len, rows)) <= 52
+    assert " ".join(row.strip() for row in rows[1:-1]) == line
+    assert rows[0] == "6.6 x 30.6 mm"
+    assert aStent._state.atHand.text.split("\n")[1] == line  # the page has its own rows
 
 
 def test_branches_are_told_where_a_dragged_stent_covers_others_than_before(host, aStent):

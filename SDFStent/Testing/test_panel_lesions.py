@@ -329,6 +329,37 @@ def test_a_lesion_is_marked_while_the_mouse_is_on_its_row(host, theInputs, aScen
     assert marks(aScene)[1] is not None
 
 
+def test_a_click_on_a_lesion_is_drawn_once(host, theInputs, aScene):
+    """A tree of 180,000 triangles took 3 s to answer: views draw a frame at every change, and a click is heard twice."""
+    found(host, theInputs)
+    show, order = theInputs.logic.showLesion, []
+    theInputs.logic.showLesion = lambda lesion: (
+        time.sleep(0.05),
+        show(lesion),
+        order.append("whole"),
+    )
+    with host.drawing(0.05) as frames:
+        frames.onFrame = lambda: order.append("frame")
+        host.process(0.2)
+        order.clear()
+        theInputs.ui.lesionTable.selectRow(0)
+        host.process(0.2)
+    assert order[0] == "whole"
+    assert "frame" in order
+
+
+def test_what_is_marked_already_is_not_marked_anew(host, theInputs, aScene):
+    found(host, theInputs)
+    theInputs.ui.lesionTable.selectRow(0)
+    line = marks(aScene)[1]
+    theInputs.lesions._clicked(0, 0)
+    hoverOver(host, theInputs, 0)
+    assert marks(aScene)[1] is line
+    theInputs.lesions.hideLine()
+    theInputs.lesions._clicked(0, 0)
+    assert marks(aScene)[1] is not None
+
+
 def test_a_lesion_that_nobody_named_is_called_by_side_and_generation(host, theInputs):
     from dataclasses import replace
 
