@@ -1,4 +1,5 @@
-"""SDF Stent: virtual stenting of vessel surfaces in 3D Slicer. Everything of substance is in `SDFStentSlicer` and `SDFStentLib`."""
+"""SDF Stent: virtual stenting of vessel surfaces in 3D Slicer. Everything else is in `SDFStentSlicer` and
+`SDFStentLib`."""
 
 import pathlib
 import sys
@@ -10,7 +11,8 @@ from slicer.ScriptedLoadableModule import ScriptedLoadableModule
 
 
 def _libraryFolder():
-    """The folder that holds SDFStentLib: this file's own when installed, the one above in the source tree."""
+    """The folder that contains SDFStentLib: the folder of this file if it is installed, the one above in the source
+    tree."""
     here = pathlib.Path(__file__).resolve().parent
     for folder in (here, here.parent):
         if (folder / "SDFStentLib" / "__init__.py").is_file():
@@ -33,7 +35,7 @@ __all__ = ["SDFStent", "SDFStentLogic", "SDFStentTest", "SDFStentWidget"]
 
 
 class SDFStent(ScriptedLoadableModule):
-    """The module's description."""
+    """The description of the module for Slicer."""
 
     def __init__(self, parent):
         ScriptedLoadableModule.__init__(self, parent)

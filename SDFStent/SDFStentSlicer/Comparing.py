@@ -1,4 +1,5 @@
-"""The page of `sdfstent compare` for the plans of one vessel, in a folder from which the shell makes it again."""
+"""The page of `sdfstent compare` for the plans of one vessel, in a folder from which the command can make the page
+again."""
 
 import re
 from dataclasses import replace
@@ -30,14 +31,14 @@ PAGE, DOCUMENT = "comparison.html", "comparison.json"
 
 
 class NotWanted(Exception):
-    """Nobody waits for the comparison any more."""
+    """Raised when nobody waits for the comparison any more."""
 
 
 def steps(plans, folder):
-    """Carry out plans, a mapping of names to parameter sets, and write what they come to into a folder that exists.
+    """Carry out plans, a mapping of names to parameter sets, and write their comparison into an existing folder.
 
-    An iterator over the fraction that is done, which returns the path of the page. The folder also gets the plans, and the
-    vessel and centerline where they are in no file. Raises `InputError` or `DeploymentError` with a sentence.
+    An iterator over the fraction that is done, which returns the path of the page. The folder also gets the plans, and
+    the vessel and centerline where they are in no file. Raises `InputError` or `DeploymentError` with a sentence.
     """
     files = _Files(folder)
     named = {_safe(name): files.complete(name, plan) for name, plan in plans.items()}
@@ -68,7 +69,8 @@ def steps(plans, folder):
 
 
 def _checkNames(named, plans):
-    """Whether every plan gets a file of its own, beside the document, where upper and lower case are the same, too."""
+    """Check that every plan gets a file of its own, other than that of the document, even where case does not
+    distinguish names."""
     taken = {DOCUMENT, *(f"{name.casefold()}.json" for name in named)}
     if len(taken) <= len(plans):
         raise InputError(
@@ -79,13 +81,13 @@ def _checkNames(named, plans):
 
 
 class _Files:
-    """The inputs of plans as files: those that their nodes are from, else new ones in a folder."""
+    """The inputs of plans as files: the files of their nodes, or new ones in a folder."""
 
     def __init__(self, folder):
         self._folder, self._written = folder, {}
 
     def complete(self, name, parameterNode):
-        """The library's plan of a parameter set, with files."""
+        """The library's plan of a parameter set, with its surface and centerline as files."""
         try:
             plan, line = Plans.planOf(parameterNode), parameterNode.centerline
         except InputError as error:
@@ -102,7 +104,7 @@ class _Files:
         return replace(plan, surface=surface, centerline=centerline)
 
     def _file(self, node, role, polyDataOf):
-        """A new file of a node in RAS, the same one for several plans."""
+        """A new file of a node in RAS; several plans share it."""
         if node.GetID() not in self._written:
             polyData = polyDataOf()
             set_frame_of_polydata(polyData, "RAS")
@@ -122,5 +124,5 @@ def _linesPolyData(node):
 
 
 def _safe(name):
-    """A name that files can have everywhere."""
+    """The name with only those characters that file names can have everywhere."""
     return re.sub(r"[^\w .()+,-]", "_", name).strip(" .")[:80] or "_"

@@ -1,4 +1,4 @@
-"""Handles that go along the vessel while the mouse moves them."""
+"""Handles that move along the vessel while the mouse drags them."""
 
 from typing import NamedTuple
 
@@ -11,40 +11,45 @@ from . import Conversion
 
 VIEW_ATTRIBUTE = slicer.vtkMRMLMarkupsDisplayNode.GetMovingInSliceViewAttributeName()
 INDEX_ATTRIBUTE = slicer.vtkMRMLMarkupsDisplayNode.GetMovingMarkupIndexAttributeName()
-"""Attributes of a markups node: the layout name of the view in which the mouse moves one of its points, 3D views as well, and which."""
+"""Attributes of a markups node: the layout name of the view, slice or 3D, in which the mouse moves one of its points,
+and that point's index."""
 
 DETOUR = 0.1
-"""What a mm of way along the tree costs. A mouse beside the way by so many mm costs the square of that, over one `HAND`."""
+"""Cost of a path along the tree per mm. A mouse beside the path costs the square of its distance in mm, divided by
+`HAND` in mm."""
 
 HAND = 0.008
-"""Of the height of a view: about as far is a hand beside what it follows."""
+"""Typical distance of a hand from the path that it follows, relative to the height of the view."""
 
 NEAREST = 1e-3
-"""Of the depth of the point that is dragged: what lies nearer to the camera, or behind it, counts as there."""
+"""Smallest depth of a point, relative to that of the dragged point: points nearer to the camera or behind it are
+treated as if at this depth."""
 
 
 class Ray(NamedTuple):
-    """A line of sight, from the eye: `origin` (3,) in mm and `direction` (3,) of length 1."""
+    """A line of sight from the eye: `origin` (3,) in mm and `direction` (3,) of length 1."""
 
     origin: np.ndarray
     direction: np.ndarray
 
 
 class Dragging:
-    """Brings points of handles that the mouse moves onto the centerline, to the place that is seen nearest to the mouse."""
+    """Brings points of handles that the mouse moves onto the centerline, to the place that appears nearest to the
+    mouse."""
 
     def __init__(self):
         self._places, self._views, self._paths = {}, {}, {}
 
     def follow(self, handle, centerline):
-        """Bring what the mouse has moved of a handle onto the centerline; what moves without it stays where it is.
+        """Bring a point of a handle that the mouse has moved onto the centerline; a point moved otherwise stays where
+        it is.
 
-        Has to hear of every change of a handle, before the first one as well.
+        It has to be called at every change of a handle, and once before the first one.
         """
         key, view = handle.GetID(), handle.GetAttribute(VIEW_ATTRIBUTE)
         known, placedIn = self._places.get(key, {}), self._views.pop(key, None)
         if view and handle.GetNumberOfControlPoints() > handle.GetNumberOfDefinedControlPoints():
-            self._views[key] = view  # of a point under the mouse that may be placed next
+            self._views[key] = view  # the view of a point under the mouse that may be placed next
         dragged = int(handle.GetAttribute(INDEX_ATTRIBUTE)) if view else None
         if not view:
             self._paths.pop(key, None)
@@ -68,10 +73,11 @@ class Dragging:
 
 
 class Path:
-    """The way of a point along a tree that the mouse has followed best so far, from a place (3,).
+    """The path along a tree, from a place (3,), that has fitted the mouse best so far.
 
-    Where vessels cross in the view, or run one behind the other, one place of the mouse does not tell which of them is meant; all of them
-    together do. What a way costs that ends at a point of the tree is kept for each point, and goes on from there (Viterbi's algorithm).
+    Where vessels cross in the view, or run one behind the other, one place of the mouse does not determine which of
+    them is meant, but all places together do. For each point of the tree the least cost of a path that ends there is
+    kept, and updated (Viterbi's algorithm).
     """
 
     def __init__(self, centerline, place):
@@ -86,11 +92,11 @@ class Path:
         self._down = list(zip(*(column.tolist() for column in columns), strict=True))
 
     def goesOnFrom(self, centerline, place):
-        """Whether the last place of this path is that one, on the same tree."""
+        """Whether this path ends at this place, on the same tree."""
         return centerline is self._centerline and np.allclose(self._place, place, atol=1e-4)
 
     def follow(self, point, camera):
-        """The place (3,) where the path is now that the mouse of a view is at a point."""
+        """The place (3,) at which the path ends now that the mouse of a view is at a point."""
         points, above, below = self._centerline.points, self._above, self._below
         seen = _seen(np.vstack([points, point]), camera)
         squares, fractions = distances_to_segments(seen[-1], seen[above], seen[below])
@@ -105,7 +111,7 @@ class Path:
         return self._place
 
     def _spread(self):
-        """What it costs at least to be at a point after one step more, along the tree."""
+        """The least cost of reaching each point after one more step along the tree."""
         costs = self._costs.tolist()
         for above, below, step in reversed(self._down):
             costs[above] = min(costs[above], costs[below] + step)
@@ -119,7 +125,8 @@ def _placesOf(handle):
 
 
 def nearestPlace(centerline, point, camera=None):
-    """The place (3,) of a centerline that a `vtkCamera` sees nearest to a point, or without one the nearest in space."""
+    """The place (3,) of a centerline that a `vtkCamera` sees nearest to a point; without a camera the
+    nearest in space."""
     below = np.flatnonzero(centerline.parent >= 0)
     above = centerline.parent[below]
     seen = _seen(np.vstack([centerline.points, point]), camera)
@@ -133,7 +140,7 @@ def _between(centerline, above, below, fraction):
 
 
 def _height(point, camera):
-    """Of what a camera shows at the depth of a point, in mm."""
+    """The height of the view of a camera at the depth of a point, in mm."""
     if camera.GetParallelProjection():
         return 2.0 * camera.GetParallelScale()
     depth = (np.array(point) - camera.GetPosition()) @ camera.GetDirectionOfProjection()
@@ -141,7 +148,7 @@ def _height(point, camera):
 
 
 def _seen(points, camera):
-    """Points (n, 3) as a camera sees them, in mm at the depth of the last one; as they are without a camera."""
+    """Points (n, 3) as a camera sees them, in mm at the depth of the last one; unchanged without a camera."""
     if camera is None:
         return points
     matrix = camera.GetViewTransformMatrix()
@@ -155,13 +162,14 @@ def _seen(points, camera):
 
 
 def _ways(centerline, point):
-    """How far every point of a tree (n,) is from a place, along the tree."""
+    """The distance of every point of a tree (n,) from a place, along the tree."""
     place = centerline.project(point)
     at, chain = centerline.arc_length, centerline.ancestry(place.index)
-    # Where the ways part: on the chain to the place, or where the next point above that is on it.
+    # The point where the ways to both part: the point itself if it is on the chain to the place, else the next one
+    # above that is.
     parting = np.where(centerline.parent < 0, np.arange(len(at)), centerline.parent)
     parting[chain] = chain
-    # Ends: every round doubles the steps upwards, to the chain or to a root.
+    # Ends, since every round doubles the steps upwards, to the chain or to a root.
     while (parting[parting] != parting).any():
         parting = parting[parting]
     return place.arc_length + at - 2 * np.minimum(at[parting], place.arc_length)
@@ -175,7 +183,7 @@ def _cameraOf(view):
 
 
 def rayThrough(view, point):
-    """The `Ray` on which a view, by its layout name, shows a point; None in a slice view."""
+    """The `Ray` on which a view, given by its layout name, shows a point; None in a slice view."""
     camera = _cameraOf(view)
     if camera is None:
         return None

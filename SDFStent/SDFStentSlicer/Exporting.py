@@ -1,4 +1,4 @@
-"""Files that the logic writes: the device, networks for a 0D solver, a segment of the vessel, in new folders or over nothing."""
+"""Files that the logic writes: the device, networks for a 0D solver, and a segment of the vessel in a new folder."""
 
 import shutil
 from pathlib import Path
@@ -24,7 +24,7 @@ from .Portions import inPortions, untilDone, working
 
 
 def newFolder(parent, name):
-    """A folder in another one that was not there before; nothing is overwritten."""
+    """Make a folder in another one that did not exist before; nothing is overwritten."""
     folder = Path(parent) / name
     try:
         folder = freePath(folder)
@@ -35,9 +35,9 @@ def newFolder(parent, name):
 
 
 def freePath(path):
-    """The path, with a number behind its name while there is something already."""
+    """The path, with a number behind its name if it exists already."""
     free, number = path, 1
-    # Ends: there are finitely many files.
+    # Ends, since there are finitely many files.
     while free.exists():
         number += 1
         free = path.with_stem(f"{path.stem} {number}")
@@ -45,7 +45,8 @@ def freePath(path):
 
 
 def inNewFolder(parent, name, stepsInto):
-    """The iterator that `stepsInto` makes for a new folder, which goes again when that fails or is stopped."""
+    """The iterator that `stepsInto` makes for a new folder; the folder is removed if the iterator fails
+    or is stopped."""
     folder = newFolder(parent, name)
     try:
         return (yield from stepsInto(folder))
@@ -57,12 +58,13 @@ def inNewFolder(parent, name, stepsInto):
 
 
 class Exporting:
-    """A part of `SDFStentLogic`: writes files of the last deployment."""
+    """A part of `SDFStentLogic` that writes files of the last deployment."""
 
     def writeDevice(self, path, parameterNode):
-        """Write the stents as VTP, as `sdfstent deploy --export-device` does: rings and struts, or the mesh that is chosen.
+        """Write the stents as VTP, as `sdfstent deploy --export-device` does: rings and struts, or the chosen mesh.
 
-        In world coordinates, mm. Raises `InputError` with a sentence, as where the plan was not deployed as it is now.
+        The file is in world coordinates, mm. Raises `InputError` with a sentence, for example if the present plan was
+        not deployed.
         """
         check_suffix(path, _("a device"), (".vtp",))
         node = parameterNode.deviceMesh
@@ -71,7 +73,8 @@ class Exporting:
         _write(path, content, parameterNode)
 
     def write0D(self, path, parameterNode):
-        """Write the stented vessel as a network for svZeroDSolver, and beside it that before, as `--export-0d` does; errors as above."""
+        """Write the stented vessel as a network for svZeroDSolver, and that before beside it, as `--export-0d` does;
+        errors as above."""
         check_suffix(path, _("a network"), (".json",))
         self._deployed(parameterNode)
         answer = self.lastRun(parameterNode).flow
@@ -87,13 +90,13 @@ class Exporting:
         _write(path, after.encode(), parameterNode)
 
     def loadDeviceMesh(self, path, parameterNode):
-        """Add a straight stent mesh from a file to the scene as it is in there, mm, and choose it; returns its node."""
+        """Add a straight stent mesh from a file, in mm, to the scene and choose it; returns its node."""
         surface = read_surface(path, "mm").surface
         parameterNode.deviceMesh = Display.addMesh(parameterNode, path, surface)
         return parameterNode.deviceMesh
 
     def isDeployed(self, parameterNode):
-        """Whether there is a deployment that was measured."""
+        """Whether there is a deployment whose result was measured."""
         run = self.lastRun(parameterNode)
         return run is not None and run.result is not None
 
@@ -113,18 +116,18 @@ def _write(path, content, parameterNode):
 
 
 class Segments:
-    """A part of `SDFStentLogic`: cuts a segment out of the vessel."""
+    """A part of `SDFStentLogic` that cuts a segment out of the vessel."""
 
     def extractSegment(self, parameterNode, folder):
-        """Write the segment between the chosen places into a new folder in `folder`; returns that.
+        """Write the segment between the chosen places into a new folder in `folder`, and return the new folder.
 
-        What there is to say of it is in `status` afterwards. Raises `InputError` or `DeploymentError` with a sentence where no plane
+        Remarks on it are in `status` afterwards. Raises `InputError` or `DeploymentError` with a sentence if no plane
         cuts only this vessel.
         """
         return untilDone(self.segmentSteps(parameterNode, folder))
 
     def segmentSteps(self, parameterNode, folder):
-        """The same in portions: an iterator over the fraction that is done, which returns the folder."""
+        """Do the same in portions: an iterator over the fraction that is done, which returns the folder."""
         if None in (parameterNode.vessel, parameterNode.centerline):
             raise InputError(
                 _("Segment: expected a vessel and its centerline, choose both in Vessel.")
@@ -163,7 +166,8 @@ class Segments:
 
 
 def _ends(parameterNode, run):
-    """The two places between which the segment lies, in world coordinates: of the markups that are chosen, else round a stent."""
+    """The two places between which the segment lies, in world coordinates: those of the chosen markups, or the ends of
+    a stent's surroundings."""
     node = parameterNode.segmentEnds
     if node is not None:
         points = Conversion.placedPoints(node)
@@ -186,13 +190,14 @@ def _ends(parameterNode, run):
 
 
 def _named(node):
-    """What a document of the segment says of an input: its file, when it is still as it was read, else its name in the scene."""
+    """The entry of an input in the segment's document: its file, if it is unchanged since it was read, else its name in
+    the scene."""
     file = Plans.fileOf(node)
     return {"file": node.GetName() if file is None else file.path, "sha256": None}
 
 
 def _sentences(found, folder):
-    """What to know of a segment at once."""
+    """The sentences about a segment that the panel shows."""
     yield _("Wrote {folder}, in cm; segment.json tells what is in it.").format(folder=folder)
     if found.after is None:
         yield _(

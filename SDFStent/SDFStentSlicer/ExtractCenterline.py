@@ -1,4 +1,4 @@
-"""The way to *Extract Centerline*, a module of the extension SlicerVMTK."""
+"""Opens *Extract Centerline*, a module of the extension SlicerVMTK."""
 
 import slicer
 from slicer.i18n import tr as _
@@ -9,9 +9,10 @@ MODULE = "ExtractCenterline"
 
 
 def openFor(vessel, segmentID):
-    """Open the module with a vessel chosen as its surface; a segment by its ID where it is a segmentation.
+    """Open the module with a vessel chosen as its surface; in a segmentation, with a segment chosen by its ID.
 
-    Raises `InputError` with a sentence that says what to do: the module is missing, or would take the vessel elsewhere.
+    Raises `InputError` with a sentence that says what to do if the module is missing, or would see the vessel in
+    another place.
     """
     if not hasattr(slicer.modules, MODULE.lower()):
         raise InputError(

@@ -1,4 +1,4 @@
-"""Device, balloon, kept end and shape of the selected stent: what the logic sets of them."""
+"""Device, balloon, kept end and shape of the selected stent, as the logic sets them."""
 
 from dataclasses import replace
 
@@ -21,26 +21,27 @@ NOT_KNOWN = float("nan")
 
 
 class Fitting:
-    """A part of `SDFStentLogic`: every method changes the selected stent of a parameter node, at once.
+    """A part of `SDFStentLogic` whose methods change the selected stent of a parameter node at once.
 
     `self._inputs` are the logic's `Inputs`.
     """
 
     @staticmethod
     def devices(parameterNode):
-        """The rows of the device table, the generic ones first; with those of the user's own where there are some."""
+        """The rows of the device table, the generic ones first, with those of the user's own table if there is one."""
         return device_table(parameterNode.deviceTable or None)
 
     def setDeviceTable(self, parameterNode, path):
-        """Take the rows of a table of the user's own, too, or of none any more with ""; `InputError` for one that cannot be read."""
+        """Use a table of the user's own, too, or with "" none any more; raises `InputError` for one that cannot be
+        read."""
         device_table(path or None)
         parameterNode.deviceTable = str(path)
 
     def setDevice(self, parameterNode, device):
-        """Make the stent a device, by its name in the table or as the library's `Device`.
+        """Give the stent a device, by its name in the table or as the library's `Device`.
 
-        It gets the device's length, where that has one, and its shortening; its own length is kept for another device.
-        The generic row is none: its shortening is the one that is set.
+        The stent gets the device's length, if that has one, and its shortening; its own length is kept for another
+        device. The generic row stands for no device: the shortening is set by the user.
         """
         if isinstance(device, str):
             device = device_named(device, parameterNode.deviceTable or None)
@@ -52,7 +53,8 @@ class Fitting:
             self.setDetails(parameterNode, device=device, deviceShortening=True)
 
     def setBalloon(self, parameterNode, diameter, recoil=None):
-        """Expand the stent by a balloon, mm, that recoils by a fraction, by the rule of its source without one; None: by none.
+        """Expand the stent with a balloon of this diameter, mm, whose recoil is a fraction, or follows the rule if it
+        is None; without a diameter use no balloon.
 
         The rule measures the native lumen where the stent lies.
         """
@@ -65,9 +67,9 @@ class Fitting:
             untilDone(self.recoilByRule(parameterNode))
 
     def inflateByRule(self, parameterNode, diameter):
-        """Expand the stent by a balloon, mm, that recoils by the rule, which `recoilByRule` still has to ask.
+        """Expand the stent with a balloon, mm, whose recoil follows the rule; `recoilByRule` still has to apply it.
 
-        Until then it recoils as the one before, or as usual.
+        Until then it has the recoil of the balloon before, or the usual one.
         """
         former = Sizes.balloonOf(parameterNode.stent)
         if former is None or former.is_given:
@@ -76,13 +78,13 @@ class Fitting:
             self.inflate(parameterNode, replace(former, diameter=diameter))
 
     def inflate(self, parameterNode, balloon):
-        """Set the balloon, and the lumen that it leaves."""
+        """Set the balloon and the lumen that it leaves."""
         self.setDetails(parameterNode, balloon=balloon, diameter=balloon.lumen_diameter)
 
     def recoilByRule(self, parameterNode):
-        """Let the stent recoil by the rule in the lumen where it lies; yields None until that is measured.
+        """Apply the rule for the recoil in the lumen where the stent lies; yields None until that is measured.
 
-        Does nothing for a balloon whose recoil was given, or where the stent cannot lie.
+        It does nothing for a balloon whose recoil was given, or if the stent cannot lie there.
         """
         balloon = Sizes.balloonOf(parameterNode.stent)
         if balloon is None or balloon.is_given:
@@ -93,7 +95,7 @@ class Fitting:
                 return
             planned = Plans.plannedStent(parameterNode.stent)
             usual = balloon_by_rule(balloon.diameter, NOT_KNOWN)
-            # As the shell measures it: where it lies with the usual recoil.
+            # Measured as the command does: where the stent lies with the usual recoil.
             placed = replace(planned, diameter=usual.lumen_diameter, balloon=usual, shape=None)
             native = yield from self._inputs.nativeLumenInPortions(parameterNode, placed)
         except InputError:
@@ -101,7 +103,8 @@ class Fitting:
         self._inflateIn(parameterNode, balloon, native)
 
     def _inflateIn(self, parameterNode, balloon, lumen):
-        """Let a balloon recoil by the rule in a lumen, mm. Where that of the stent was set last it is what the balloon leaves."""
+        """Apply the rule for the recoil of a balloon in a lumen, mm. If the stent's lumen was set last, choose the
+        balloon that leaves it."""
         stent = parameterNode.stent
         if not Sizes.isLumenSet(stent):
             found = balloon_by_rule(balloon.diameter, lumen)
@@ -114,25 +117,26 @@ class Fitting:
             self.setDetails(parameterNode, balloon=replace(found, diameter=kept.diameter))
 
     def setKept(self, parameterNode, end):
-        """Keep the center, the proximal or the distal end of the stent where it is when it shortens."""
+        """Keep the center, the proximal or the distal end of the stent in place when it shortens."""
         self.setDetails(parameterNode, keeps=end)
 
     def setShape(self, parameterNode, shape):
-        """Give the stent a `Shape` of the library, or None: a cylinder. A table brings its diameter."""
+        """Give the stent a `Shape` of the library, or with None a cylinder. A table determines the diameter, too."""
         table = () if shape is None else shape.table
         diameter = {"diameter": max(row[1] for row in table)} if table else {}
         self.setDetails(parameterNode, shape=shape, **diameter)
 
     def changeShape(self, parameterNode, **parts):
-        """Set parts of the stent's `Shape`; without any that make it another it is a cylinder."""
+        """Set parts of the stent's `Shape`; a shape without any special part becomes a cylinder."""
         shape = replace(Sizes.shapeOf(parameterNode.stent) or Shape(), **parts)
         self.setShape(parameterNode, None if shape == Shape() else shape)
 
     @staticmethod
     def shareHandle(parameterNode):
-        """Let a stent that dilates another again have the handle of the one above it, and any other one of its own.
+        """Give a stent that dilates another one again the handle of the stent above it, and any other stent a handle
+        of its own.
 
-        True where it dilates one again.
+        Returns whether it dilates another one again.
         """
         stent, stents = parameterNode.stent, StentList(parameterNode)
         above = stentsOf(parameterNode)[: parameterNode.selected]
@@ -150,7 +154,7 @@ class Fitting:
 
     @staticmethod
     def setDetails(parameterNode, **changes):
-        """Set values of the stent's `StentDetails`, and others of the stent."""
+        """Set values of the stent's `StentDetails`, and other values of the stent."""
         former = Sizes.detailsOf(parameterNode.stent)
         own = {name: changes.pop(name) for name in vars(former) if name in changes}
         details = stent_details(replace(former, **own))

@@ -1,13 +1,14 @@
-"""Which nodes a parameter set may write its results into: those made for it, and nobody else's."""
+"""The nodes into which a parameter set may write its results: only those that were made for it."""
 
 import slicer
 
 ATTRIBUTE = "SDFStent.Output"
-"""On every model that was made for results: the role that it was made for."""
+"""Attribute of every model that was made for results: its role."""
 
 
 def isUsable(parameterNode, role, node):
-    """Whether a node was made for results of this role, is no input of the parameter set, and no other set writes into it."""
+    """Whether a node was made for results of this role, is no input of the parameter set, and no other set writes into
+    it."""
     return (
         node is not None
         and node.GetAttribute(ATTRIBUTE) == role

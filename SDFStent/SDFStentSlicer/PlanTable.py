@@ -1,4 +1,4 @@
-"""The section Plans of the panel: the alternatives for the vessel, side by side."""
+"""The section Plans of the panel: the alternatives for one vessel, side by side."""
 
 import qt
 from slicer.i18n import tr as _
@@ -11,9 +11,9 @@ from .PanelParts import FolderButton, fitColumns
 
 
 class PlanTable:
-    """Shows the plans for the vessel in `ui.planTable`, and does what the buttons below it ask for.
+    """Shows the plans for the vessel in `ui.planTable`, and carries out the buttons below it.
 
-    `attempt(action)` does what is asked for and says why when it cannot be done; `switchTo(parameterNode)` shows another plan.
+    `attempt(action)` carries out an action, and says why if it fails; `switchTo(parameterNode)` shows another plan.
     """
 
     def __init__(self, ui, logic, attempt, switchTo):
@@ -37,7 +37,8 @@ class PlanTable:
         ui.loadPlansButton.connect("clicked()", self._onLoad)
 
     def show(self, parameterNode):
-        """The plans for the vessel of a parameter node, that one selected; while the section is closed nothing is done."""
+        """Show the plans for the vessel of a parameter node, with its own selected; does nothing while the section is
+        closed."""
         self._parameterNode = parameterNode
         if parameterNode is None:
             self._plans, self._shown = [], None
@@ -61,7 +62,7 @@ class PlanTable:
             self._updating = False
 
     def _row(self, plan):
-        """The texts of a plan, and what to say of all of them."""
+        """The texts of a plan's row, and the tip for all of them."""
         name = one_line(plan.parameterNode.GetName())
         values = {one.name: one.value for one in Tiles.tilesOf(plan)}
         if not values.keys() >= set(COMPARED):
@@ -71,7 +72,7 @@ class PlanTable:
         return (name, *(values[one] for one in COMPARED), tip)
 
     def _fill(self, row, column, text, tip):
-        """Set a cell in place: one that is being edited goes on being edited."""
+        """Set a cell in place, so that one that is being edited stays in editing."""
         item = self.ui.planTable.item(row, column)
         if item is None:
             item = qt.QTableWidgetItem()

@@ -1,4 +1,4 @@
-"""Normals of a surface whose points move, computed where that is all that is needed."""
+"""Normals of a surface whose points move, computed only where they change."""
 
 from typing import NamedTuple
 
@@ -11,21 +11,21 @@ from vtkmodules.vtkFiltersCore import vtkTriangleMeshPointNormals
 from SDFStentLib.geometry import ranges
 
 LOCAL_FROM = 100_000
-"""Triangles from which those round the points that changed are looked up, and only they are computed."""
+"""Number of triangles from which on only the triangles around changed points are computed."""
 
 
 class Corners(NamedTuple):
-    """The triangles of a mesh, and those that meet in each of its points."""
+    """The triangles of a mesh, and the triangles that meet in each of its points."""
 
     ofTriangles: np.ndarray
-    """(m, 3) points."""
+    """(m, 3) indices of points."""
     starts: np.ndarray
-    """(n + 1,) where those of a point begin among"""
+    """(n + 1,) beginnings of each point's entries in `triangles`."""
     triangles: np.ndarray
-    """(3 m,) all."""
+    """(3 m,) indices of triangles, grouped by the points in which they meet."""
 
     def around(self, points):
-        """Numbers of the triangles that meet in some points, in order."""
+        """Indices of the triangles that meet in some points, in order."""
         isNear = np.zeros(len(self.ofTriangles), dtype=bool)
         starts = self.starts[points]
         isNear[self.triangles[ranges(starts, self.starts[points + 1] - starts)]] = True
@@ -33,7 +33,8 @@ class Corners(NamedTuple):
 
 
 def cornersOf(polyData):
-    """The `Corners` of a triangulated polydata, where it is large; None of a small one. Some 40 ms for a million triangles."""
+    """The `Corners` of a large triangulated polydata; None for a small one. Takes some 40 ms for a
+    million triangles."""
     from scipy.sparse import csr_matrix  # late: it costs a tenth of a second
 
     triangles = vtk_to_numpy(polyData.GetPolys().GetConnectivityArray()).reshape(-1, 3)
@@ -57,9 +58,9 @@ class PointNormals:
         self._filter.SetInputData(self._skeleton)
 
     def update(self, changed=None):
-        """Compute them all; or, of a large surface, those of the points that some index arrays name.
+        """Compute all normals; or, for a large surface, those of the points named by index arrays.
 
-        Neighbors of these points keep theirs: a change fades towards its edge, and so does what is left out.
+        Neighbors of these points keep their normals: a change fades towards its edge, and so does the error there.
         """
         if changed is None or self._corners is None:
             self._write(self._computed(self._polyData.GetPoints(), self._polyData.GetPolys()))
@@ -72,7 +73,7 @@ class PointNormals:
             self._write(self._computedAround(touched), touched)
 
     def _computedAround(self, touched):
-        """Normals of some points, by the triangles round them alone: no step takes longer for a larger mesh."""
+        """Normals of some points, from the triangles around them alone: the time does not grow with the mesh."""
         triangles = self._corners.ofTriangles[self._corners.around(touched)]
         isNear = np.zeros(self._polyData.GetNumberOfPoints(), dtype=bool)
         isNear[triangles] = True
@@ -98,7 +99,7 @@ class PointNormals:
 
 
 def withNormals(polyData):
-    """Give a surface one float normal per point, whatever it brought along."""
+    """Give a surface an array of one float normal per point, in place of any that it has."""
     polyData.GetPointData().RemoveArray("Normals")
     normals = numpy_to_vtk(np.zeros((polyData.GetNumberOfPoints(), 3), dtype=np.float32), deep=True)
     normals.SetName("Normals")

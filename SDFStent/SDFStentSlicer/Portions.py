@@ -1,4 +1,4 @@
-"""Long work in small portions on the application's own thread, and long calculations off it."""
+"""Long work in small portions on the application's own thread, and long calculations on other threads."""
 
 import threading
 import time
@@ -9,28 +9,28 @@ from . import Clock
 
 LONGEST_FRAME_S = 0.5
 FORGOTTEN_S = 1.0
-"""What the application needed once counts half after so long: not every turn has a frame before it."""
+"""Half-life of the time that the application was seen to need: not every turn has a frame before it."""
 
 
 class _Application:
-    """What the application needs between the turns of all runs, mostly to draw a frame."""
+    """The time that the application needs between the turns of all runs, mostly to draw a frame."""
 
     def __init__(self):
         self._worked = self._needed = self._seenAt = 0.0
 
     def clock(self):
-        """Seconds, which stand still while a run has its turn."""
+        """Seconds on a clock that stands still while a run has its turn."""
         return time.perf_counter() - self._worked
 
     def needed(self, seconds):
-        """It was away for so long; returns what it needs at most, as seen lately."""
+        """Note that the application was away for this time, and return the longest time that it has needed lately."""
         now = time.perf_counter()
         left = 0.5 ** ((now - self._seenAt) / FORGOTTEN_S)
         self._needed, self._seenAt = max(min(seconds, LONGEST_FRAME_S), left * self._needed), now
         return self._needed
 
     def tookTurn(self, seconds):
-        """A run had its turn."""
+        """Note that a run had a turn of this time."""
         self._worked += seconds
 
 
@@ -40,11 +40,12 @@ _application = _Application()
 class SteppedRun:
     """Advances an iterator by a timer, for a limited time per tick, so that the application stays responsive.
 
-    Where frames take long to draw, as in software, a tick may take longer; nothing is drawn in the middle of it. A tick of a run that
-    is seen, as it goes on, is long after one slow frame already; of another one only as long as what the application has just done.
+    If frames take long to draw, as in software, a tick may take longer; nothing is drawn in the middle of it. A tick of
+    a run whose progress is seen is long after a single slow frame; that of another run is only as long as the
+    application has just needed.
 
-    `onProgress(value)` gets the latest value once per tick; `onDone(error)` is called once per run: with None at the end, with
-    the exception when one was raised. `cancel()` ends a run at once without calling `onDone`.
+    `onProgress(value)` gets the latest value once per tick; `onDone(error)` is called once per run: with None at the
+    end, with the exception when one was raised. `cancel()` ends a run at once without calling `onDone`.
 
     One object serves one run after another, as a `Clock` timer does.
     """
@@ -61,7 +62,7 @@ class SteppedRun:
         self._timer.start()
 
     def advance(self):
-        """Take a turn now: until the timer's first one a frame may be drawn, of what is known already."""
+        """Take a turn now, since a frame may be drawn before the timer's first tick."""
         self._tick()
 
     @property
@@ -70,7 +71,7 @@ class SteppedRun:
         return self._iterator is not None
 
     def cancel(self):
-        """Stop; the iterator's `finally` blocks run now."""
+        """Stop the run; the iterator's `finally` blocks run now."""
         self._timer.stop()
         iterator, self._iterator = self._iterator, None
         if iterator is not None:
@@ -80,7 +81,7 @@ class SteppedRun:
         if self._iterator is None:
             return
         start, views = time.perf_counter(), slicer.app.applicationLogic()
-        views.PauseRender()  # once a frame is due they draw in the middle of what is shown
+        views.PauseRender()  # otherwise they would draw a due frame in the middle of a change
         try:
             away = _application.clock() - self._leftAt
             needed = _application.needed(away)
@@ -88,13 +89,13 @@ class SteppedRun:
         finally:
             _application.tookTurn(time.perf_counter() - start)
             self._leftAt = _application.clock()
-            views.ResumeRender()  # and are drawn, where one is due: also after the last turn of a run
+            views.ResumeRender()  # draws the views if a frame is due, also after the last turn of a run
             _application.needed(_application.clock() - self._leftAt)
 
     def _advance(self, end):
         value = None
         try:
-            # Ends: with the time, or with the iterator, whose values are never None.
+            # Ends with the time, or with the iterator, whose values are never None.
             while value is None or time.perf_counter() < end:
                 value = next(self._iterator)
         except StopIteration:
@@ -116,14 +117,17 @@ _left = []
 
 
 def inPortions(function):
-    """Run a function on a thread of its own; a generator that yields None until it is done and returns what it returned.
+    """Run a function on a thread of its own; a generator that yields None until it is done and returns what it
+    returned.
 
-    It yields once more when it is done, so that what is done with it begins anew where the time of a turn is used up.
+    It yields once more at the end, so that the caller's further work begins in a new turn if the time of this one is
+    used up.
 
-    The function must not touch the scene, VTK or Qt, which belong to the application's thread. Closing the generator does not
-    stop the function, but nobody waits for it or hears of it any more. What it raises is raised here.
+    The function must not touch the scene, VTK or Qt, which belong to the application's thread. Closing the generator
+    does not stop the function, but nobody waits for its result any more. An exception of the function is raised here.
 
-    A thread only advances while the application's own thread waits for it, so whoever iterates decides how much time it gets.
+    A thread only advances while the application's own thread waits for it, so whoever iterates decides how much time it
+    gets.
     """
     outcome = {}
 
@@ -137,7 +141,7 @@ def inPortions(function):
     thread.start()
     thread.join(Clock.wait())
     try:
-        # Ends: with the function; who does not want to wait closes the generator.
+        # Ends with the function; a caller who does not want to wait closes the generator.
         while thread.is_alive():
             yield None
             thread.join(Clock.wait())
@@ -151,7 +155,8 @@ def inPortions(function):
 
 
 def countLeft():
-    """How many functions still run though nobody waits for them; waits for one a while, as it would not advance otherwise."""
+    """The number of functions that still run though nobody waits for them; waits a while for one, which would not
+    advance otherwise."""
     _left[:] = [thread for thread in _left if thread.is_alive()]
     for thread in _left[:1]:
         thread.join(Clock.turn(0.0))
@@ -159,7 +164,8 @@ def countLeft():
 
 
 def working(portions, fraction=float):
-    """Yield a fraction done, 0.0 or what `fraction()` gives, for every portion of a calculation; returns what it returns."""
+    """Yield the fraction done, which `fraction()` gives, for every portion of a calculation; returns the result of the
+    calculation."""
     # Ends: with the calculation.
     while (end := _next(portions)) is None:
         yield fraction()
@@ -167,7 +173,7 @@ def working(portions, fraction=float):
 
 
 def untilDone(portions):
-    """Run all portions of a calculation at once; returns what it returns."""
+    """Run all portions of a calculation at once, and return its result."""
     # Ends: with the calculation.
     while (end := _next(portions)) is None:
         pass
@@ -175,7 +181,7 @@ def untilDone(portions):
 
 
 def _next(portions):
-    """None, or the `StopIteration` that ends it."""
+    """Advance a calculation; None, or the `StopIteration` that ends it."""
     try:
         next(portions)
     except StopIteration as end:

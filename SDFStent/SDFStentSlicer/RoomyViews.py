@@ -1,6 +1,6 @@
-"""Views as this module needs them, a large one in 3D and the plot beneath, as long as it is shown.
+"""The layout of views that this module offers while it is shown: a large 3D view with the plot beneath.
 
-No scene is saved with them: where this module is not, Slicer would show no view at all.
+It is not saved with a scene: without this module, Slicer would then show no view at all.
 """
 
 import slicer
@@ -8,7 +8,7 @@ import slicer
 from . import Showing
 
 LAYOUT = 5330
-"""A number that no layout of Slicer has."""
+"""Number of the layout, which no layout of Slicer has."""
 
 DESCRIPTION = """
 <layout type="vertical" split="true">
@@ -27,7 +27,7 @@ DESCRIPTION = """
 
 
 class RoomyViews:
-    """Follows the button of that name: takes these views, and gives back those of before."""
+    """Follows the button of that name: shows this layout, and returns to the former one."""
 
     def __init__(self, ui):
         self._button = ui.roomyViewsButton
@@ -35,25 +35,27 @@ class RoomyViews:
         self._button.connect("toggled(bool)", self._follow)
 
     def show(self, parameterNode):
-        """Of the parameter node that is shown now."""
+        """Show the layout for this parameter node, if the button is pressed."""
         self._parameterNode = parameterNode
         self._follow()
 
     def showPlot(self):
-        """Show the plot, in these views where there is none: those of Slicer with a plot and in 3D are wider than a small screen."""
+        """Show the plot, in this layout if the present one has no plot: Slicer's own layouts with a plot and a 3D view
+        are wider than a small screen."""
         node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
         if node is not None and not Showing.hasPlot(node):
             self._button.checked = True
         Showing.showPlot(self._parameterNode)
 
     def onLayoutChanged(self, node):
-        """A layout that the user, or a scene, has chosen takes the place of these views; one of a scene that is closed is none."""
+        """Release the button if the user or a scene has chosen another layout; changes while a scene is closed do not
+        count."""
         isOurs = node.GetViewArrangement() == LAYOUT or node.GetScene().IsClosing()
         if self._former is not None and not isOurs:
             self._button.checked = False
 
     def leave(self):
-        """The module is left."""
+        """Return to the former layout when the module is left."""
         self._parameterNode = None
         self._follow()
 

@@ -8,7 +8,7 @@ from .SampleVessels import addSampleVessel
 
 
 class SDFStentTest(ScriptedLoadableModuleTest):
-    """Deploys a stent in the synthetic pulmonary artery, from the console's side."""
+    """Deploys a stent in the synthetic pulmonary artery, as a user of the console does."""
 
     def setUp(self):
         slicer.mrmlScene.Clear(0)

@@ -10,16 +10,16 @@ from . import Sizes
 from .ParameterNode import stentOf
 
 FLAT = 0.35
-"""Height of caps that are called flat, over their radius."""
+"""Height of the caps called flat, relative to their radius."""
 
 NARROWEST = -1.0
-"""Stands in the panel for the narrowest place of the vessel, as the position of a waist in percent."""
+"""Position of a waist in percent that stands for the narrowest place of the vessel in the panel."""
 
 
 class ShapeSection:
     """Shows the shape of the selected stent in `ui` and sets what the user changes.
 
-    `attempt(action)` does what is asked for and says why when it cannot be done.
+    `attempt(action)` carries out an action, and says why if it fails.
     """
 
     def __init__(self, ui, logic, attempt):
@@ -42,7 +42,7 @@ class ShapeSection:
         ui.removeProfileButton.connect("clicked()", lambda: self._set({"table": ()}))
 
     def show(self, parameterNode):
-        """The stent that is selected now."""
+        """Show the shape of the stent that is selected now."""
         self._parameterNode = parameterNode
         stent = stentOf(parameterNode)
         if (stent.details, stent.diameter) == self._shown:
@@ -77,7 +77,7 @@ class ShapeSection:
 
     def _showCaps(self, height):
         box = self.ui.capsComboBox
-        if box.count > 2:  # of a plan that was shown before
+        if box.count > 2:  # the height of another plan's caps
             box.removeItem(2)
         if height not in (1.0, FLAT):
             box.addItem(_("{height:g} of the radius high").format(height=height))
@@ -97,7 +97,7 @@ class ShapeSection:
         )
 
     def _parts(self):
-        """What the boxes say."""
+        """The parts of the shape that the boxes show."""
         ui = self.ui
         return {
             "waist": self._waist(),

@@ -1,4 +1,4 @@
-"""Handles that are let go beside the centerline, or have more points than count."""
+"""Handles that are released beside the centerline, or have more points than are used."""
 
 from slicer.i18n import tr as _
 
@@ -10,15 +10,17 @@ from .ParameterNode import Placement, stentsOf
 
 
 class Snapping:
-    """Moves handles onto the centerline, and knows how far those were moved that are still there, and which points lie in no vessel."""
+    """Moves handles onto the centerline. Remembers how far handles were moved that are still there, and which points
+    lie in no vessel."""
 
     def __init__(self):
-        self._told, self._aside = {}, {}
+        self._sentences, self._aside = {}, {}
 
     def snap(self, stent, centerline, surface):
-        """Move the points of a stent's handle onto the centerline; a curve stays as it is drawn.
+        """Move the points of a stent's handle onto the centerline; a curve stays as it was drawn.
 
-        Raises `InputError` where the library refuses the place, outside of the lumen as well; then the handle stays where it is.
+        Raises `InputError` if the library refuses the place, for example outside of the lumen; then the handle stays
+        where it is.
         """
         handle = stent.handle
         if stent.placement == Placement.ALONG_CURVE or handle.IsA("vtkMRMLMarkupsCurveNode"):
@@ -29,7 +31,7 @@ class Snapping:
             f"{stent.label}: {caution}" for caution in beside(planned.placement, centerline)
         ]
         if Handles.snapHandle(handle, stent.placement, centerline):
-            self._told[handle.GetID()] = (Conversion.changeStamp(handle), sentences)
+            self._sentences[handle.GetID()] = (Conversion.changeStamp(handle), sentences)
 
     def leave(self, handle, index):
         """Remember that a point of a handle was placed where no vessel is seen."""
@@ -37,14 +39,15 @@ class Snapping:
         self._aside[handle.GetID(), handle.GetNthControlPointID(index)] = tuple(place)
 
     def told(self, parameterNode):
-        """What the user has to know about handles that were moved far or placed aside, and not moved again since, or have points to spare."""
-        told = []
+        """Sentences about handles that were moved far or placed beside the vessel and not moved since, or that have
+        more points than are used."""
+        reported = []
         for stent in stentsOf(parameterNode):
-            stamp, sentences = self._told.get(stent.handle and stent.handle.GetID(), (None, []))
+            stamp, sentences = self._sentences.get(stent.handle and stent.handle.GetID(), (None, []))
             if sentences and stamp == Conversion.changeStamp(stent.handle):
-                told += sentences
-            told += self._besideVessel(stent) + _spare(stent)
-        return "\n".join(dict.fromkeys(told))
+                reported += sentences
+            reported += self._besideVessel(stent) + _spare(stent)
+        return "\n".join(dict.fromkeys(reported))
 
     def _besideVessel(self, stent):
         """A sentence for every point that still lies where it was placed beside the vessel."""
@@ -59,7 +62,7 @@ class Snapping:
 
 
 def _spare(stent):
-    """A sentence where a handle has more points than its placement takes."""
+    """A sentence if a handle has more points than its placement uses."""
     if stent.handle is None or not stent.placement.needsCenterline:
         return []
     count, placed = stent.placement.pointCount, len(Conversion.placedIndices(stent.handle))

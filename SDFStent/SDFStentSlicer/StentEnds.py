@@ -1,4 +1,5 @@
-"""Dots at both ends of the selected stent, which the mouse drags for its length, and a tube where it will lie until it is deployed."""
+"""Dots at both ends of the selected stent, which the mouse drags to change its length, and a tube where the stent will
+lie until it is deployed."""
 
 import numpy as np
 import slicer
@@ -12,17 +13,18 @@ from .Marks import createMark, createTube, removeMark, showTube
 from .ParameterNode import Placement, stentOf
 
 SETTLE_MS = 100
-"""Where a stent lies takes some 15 ms in a tree of 92 outlets: so often it is shown while a hand drags, or once a live one rests."""
+"""Time between two updates while a hand drags, or until the first one after a live stent rests: to place a stent takes
+some 15 ms in a tree of 92 outlets."""
 
 GLYPH = 2.0
-"""Less than of the handle; percent of a view."""
+"""Size of the dots, smaller than the handle's; percent of a view."""
 
 AT_HANDLE = {Placement.PROXIMAL_END: 0, Placement.DISTAL_END: 1}
-"""The end at which the handle of a stent is, which moves all of it."""
+"""The end of a stent at which its handle is, which moves the whole stent."""
 
 
 class StentEnds(VTKObservationMixin):
-    """Shows where the stent of the parameter node lies that is shown, and lets it reach to where one of its ends is dragged."""
+    """Shows where the stent of the shown parameter node lies, and lets the user drag its ends."""
 
     def __init__(self, logic):
         VTKObservationMixin.__init__(self)
@@ -37,7 +39,8 @@ class StentEnds(VTKObservationMixin):
         return self._timer.isActive()
 
     def show(self, parameterNode):
-        """The stent that is selected now. One that is deployed live is seen itself; then tube and dots come once it rests."""
+        """Show the stent that is selected now. A stent deployed live is seen itself; its tube and dots appear once it
+        rests."""
         standing = self._standingOf(parameterNode)
         if standing == self._standing:
             return
@@ -62,14 +65,14 @@ class StentEnds(VTKObservationMixin):
         return self._isThere and bool(self._node.GetAttribute(VIEW_ATTRIBUTE))
 
     def leave(self):
-        """No stent is shown any more."""
+        """Remove dots and tube, as no stent is shown any more."""
         self._timer.stop()
         self._parameterNode = self._standing = None
         removeMark(self._tube)
         self._remove()
 
     def _standingOf(self, parameterNode):
-        """On what it depends where the stent ends."""
+        """All values on which the ends of the stent depend."""
         stent = stentOf(parameterNode)
         return (
             parameterNode.parameterNode.GetID(),

@@ -1,4 +1,4 @@
-"""The plan's ordered list of stents in a parameter node, one of them selected for editing."""
+"""The plan's ordered list of stents in a parameter node; one of them is selected for editing."""
 
 import slicer
 
@@ -8,9 +8,10 @@ from .ParameterNode import StentParameters, stentOf, stentsOf, stentValues
 
 
 class StentList:
-    """Add, copy, remove, move and select stents of one parameter node.
+    """Adds, copies, removes, moves and selects stents of one parameter node.
 
-    The panel edits `parameterNode.stent`; `synchronize` carries what changed last, the list or the edited stent, to the other.
+    The panel edits `parameterNode.stent`; `synchronize` copies the latest change, of the list or of the edited stent,
+    to the other.
     """
 
     def __init__(self, parameterNode):
@@ -48,20 +49,20 @@ class StentList:
         self.replace(stents, len(stents) - 1)
 
     def remove(self):
-        """Take the selected stent out; its neighbour is selected."""
+        """Remove the selected stent; its neighbor is selected."""
         stents, selected = self.values(), self.parameterNode.selected
         stents.pop(selected)
         self.replace(stents, min(selected, len(stents) - 1))
 
     def move(self, offset):
-        """Move the selected stent by one place, as far as the list goes."""
+        """Move the selected stent by some places, as far as the list goes."""
         stents, selected = self.values(), self.parameterNode.selected
         target = min(max(selected + offset, 0), len(stents) - 1)
         stents.insert(target, stents.pop(selected))
         self.replace(stents, target)
 
     def change(self, **values):
-        """Give the selected stent, as it is edited, other values."""
+        """Change values of the selected stent, as it is edited."""
         stents, selected = self.values(), self.parameterNode.selected
         if not 0 <= selected < len(stents):
             raise InputError("Stent: expected one that is selected, got none; add one.")
@@ -91,7 +92,7 @@ class StentList:
             self._agreed = stents[selected] if 0 <= selected < len(stents) else None
 
     def synchronize(self):
-        """Bring the list and the edited stent to agree again; true when something had to change."""
+        """Make the list and the edited stent agree again; returns whether something had to change."""
         stents, selected = self.values(), self.parameterNode.selected
         if not 0 <= selected < len(stents):
             if stents:
@@ -110,7 +111,7 @@ class StentList:
     def _freeLabel(stents):
         labels = {values["label"] for values in stents}
         number = len(stents) + 1
-        # Ends: there are finitely many labels.
+        # Ends, since there are finitely many labels.
         while f"Stent {number}" in labels:
             number += 1
         return f"Stent {number}"
