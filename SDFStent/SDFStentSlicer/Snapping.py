@@ -43,7 +43,9 @@ class Snapping:
         more points than are used."""
         reported = []
         for stent in stentsOf(parameterNode):
-            stamp, sentences = self._sentences.get(stent.handle and stent.handle.GetID(), (None, []))
+            stamp, sentences = self._sentences.get(
+                stent.handle and stent.handle.GetID(), (None, [])
+            )
             if sentences and stamp == Conversion.changeStamp(stent.handle):
                 reported += sentences
             reported += self._besideVessel(stent) + _spare(stent)
