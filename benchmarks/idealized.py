@@ -38,8 +38,7 @@ _TAIL = 3.0
 1e-4."""
 
 _WIDEST = 2.0
-"""Largest width of a bell, in diameters: vessel narrowed that gradually is healthy again where the
-library still looks for healthy vessel (`vessel.plateaus.REFERENCE_REACH`)."""
+"""Largest width of a bell, in diameters: wider ones have no room in a tube of these lengths."""
 
 
 class TubeNarrowing(NamedTuple):

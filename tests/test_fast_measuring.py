@@ -65,7 +65,7 @@ def test_vessels_that_rough_spheres_pass_over_have_no_lesion(data_dir, monkeypat
     surface = read_surface(data_dir / f"{name}_surface_mm.vtp").surface
     line = read_centerline(data_dir / f"{name}_centerline_mm.vtp")
     told = find_lesions(surface, line)
-    monkeypatch.setattr(own_diameters, "may_be_narrowed", lambda *_: True)
+    monkeypatch.setattr(own_diameters, "narrowings", lambda *_: [True])
     every = find_lesions(Surface(surface.points, surface.triangles), line)
     assert [one.point for one in told] == [one.point for one in every]
     assert [one.percent_diameter for one in told] == [one.percent_diameter for one in every]

@@ -22,8 +22,8 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.vessel.branch_lumen import branch_lumens
+from SDFStentLib.vessel.caliber import healthy_caliber
 from SDFStentLib.vessel.own_diameters import measured_runs
-from SDFStentLib.vessel.plateaus import healthy_caliber
 from SDFStentLib.vessel.runs import vessel_runs
 
 pytestmark = pytest.mark.bench

@@ -21,9 +21,9 @@ from ..lumen import (
     with_passing,
 )
 from ..validation import Flags, Floats, Points, as_place
+from .caliber import runs_of
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
 from .lesion_value import Lesion
-from .plateaus import runs_of
 
 _MATTERS = 3.0
 """Wall farther from a lesion's line than so many diameters of its reference bounds neither its

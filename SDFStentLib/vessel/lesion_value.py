@@ -22,7 +22,7 @@ class HealthyPlace:
     arc_length: float
     """From the root, mm."""
     diameter: float
-    """Inscribed, mm."""
+    """Inscribed, the usual one about the point, mm."""
     cut: Callable[[], float] = field(repr=False)
     """Tells its area when somebody asks for it."""
 
@@ -118,8 +118,9 @@ def reference_words(
     sides: Sequence[HealthyPlace | None],
     by: str = "healthy vessel",
     other: str = "; on its other side is a junction",
+    widest: float = float("nan"),
 ) -> str:
-    """The reference in words."""
+    """The reference in words: healthy vessel, or how wide (mm) it should be without any."""
     told = [
         f"{name} to it ({side.diameter:.1f} mm)"
         for name, side in zip(("proximal", "distal"), sides, strict=True)
@@ -127,4 +128,6 @@ def reference_words(
     ]
     if len(told) == 2:
         return f"{by} {told[0]} and {told[1]}, tapering from one to the other"
+    if not told:
+        return f"how wide this vessel should be ({widest:.1f} mm): no part of it is surely healthy"
     return f"{by} {told[0]}{other}"

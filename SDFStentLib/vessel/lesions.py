@@ -6,14 +6,14 @@ A lesion is a property of the vessel. No stent takes part in what it measures.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import partial
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..centerline import Centerline
+from ..centerline import SAME_CALIBER, Centerline
 from ..geometry import (
     Line,
     NamedFaces,
@@ -23,15 +23,15 @@ from ..geometry import (
     checked_faces,
     places_in_plane,
 )
-from ..validation import Floats, Place, as_place
+from ..validation import Floats, as_place
 from .branch_lumen import tree_lumen
 from .branch_names import named_branches, size_words
+from .caliber import healthy_caliber
 from .lesion_measuring import lesions_after, measured
 from .lesion_sections import HealthySections
 from .lesion_value import HealthyPlace, Lesion, reference_words
-from .narrowings import SMALLEST_DEGREE, Narrowing, narrowings
+from .narrowings import SMALLEST_DEGREE, Narrowing, Plateau, narrowings
 from .own_diameters import measured_runs
-from .plateaus import Plateau, healthy_caliber
 from .runs import VesselRun, is_main
 
 _ASLANT = 2.0
@@ -45,10 +45,6 @@ millimeter."""
 SMALL_VESSEL = 3.0
 """Healthy diameter below which lesions come last, mm: pulmonary artery stents in the device table
 begin at 4 mm, and rows of a balloon at 2."""
-
-SAME_WALL = 0.9
-"""Share of the diameter of a narrowing from which the ostium of a branch that leaves there is no
-lesion of its own: stations are too far apart to tell more."""
 
 
 def find_lesions(
@@ -75,9 +71,10 @@ def find_lesions(
     Returns
     -------
     tuple of Lesion
-        Each once. Narrowings of less than `narrowings.SMALLEST_DEGREE`, those beyond which the
-        vessel is not wider again by `narrowings.SMALLEST_RECOVERY`, and those within a radius of
-        an in- or outlet are none.
+        Each once. What is not wider again beyond by `narrowings.SMALLEST_DEGREE` on both sides, or
+        at a junction by `narrowings.SMALLEST_ONE_SIDED` on one, is none, nor is what lies within a
+        radius of an in- or outlet. Where no healthy vessel is in reach, the degree is that against
+        the widest part.
 
     Raises
     ------
@@ -104,26 +101,7 @@ def find_lesions(
     least = 100 * SMALLEST_DEGREE
     wall = tree_lumen(surface, centerline).spheres.surface
     told = [one for one in measured(lesions, surface, wall) if not one.percent_diameter < least]
-    return tuple(sorted(_once(told), key=rank))
-
-
-def _once(lesions: Sequence[Lesion]) -> list[Lesion]:
-    """Each narrowing once: lines that part beyond it may both run through it.
-
-    A long throat has no one narrowest place: what lies in the lumen of another lesion is that.
-    """
-    kept: list[Lesion] = []
-    for lesion in sorted(lesions, key=lambda one: one.vessel):
-        if not any(_is_in(lesion.point, other) for other in kept):
-            kept.append(lesion)
-    return kept
-
-
-def _is_in(place: Place, lesion: Lesion) -> bool:
-    """Whether a place lies in the inner half of a sphere of a lesion."""
-    away = np.linalg.norm(lesion.line.points - place, axis=1)
-    at_narrowest = np.linalg.norm(np.subtract(place, lesion.point)) < lesion.minimum_diameter / 2
-    return bool(at_narrowest or (away < lesion.diameters / 4).any())
+    return tuple(sorted(told, key=rank))
 
 
 def vessel_name(run: VesselRun, is_main: bool) -> str:
@@ -197,7 +175,8 @@ def _passes(axis: Line, lesion: Lesion, beyond: float) -> bool:
     return bool(nearest <= reach and (offsets <= _ASLANT * reach).any())
 
 
-class _Found(NamedTuple):
+@dataclass(frozen=True)
+class _Found:
     """A narrowing of a vessel of the tree."""
 
     vessel: int
@@ -206,55 +185,69 @@ class _Found(NamedTuple):
 
     @property
     def sides(self) -> tuple[Plateau | None, Plateau | None]:
-        """The plateaus that have a place."""
+        """The healthy vessel that has a place."""
         proximal, distal = (
             None if side is None or np.isnan(side.arc_length) else side
             for side in (self.narrow.reference.proximal, self.narrow.reference.distal)
         )
         return proximal, distal
 
-    def continues(self, other: _Found) -> bool:
-        """Whether it lies at the ostium of a vessel, and the other where its parent divides.
+    @cached_property
+    def narrowest(self) -> int:
+        """Its narrowest station."""
+        return int(np.abs(self.run.along - self.narrow.narrowest).argmin())
 
-        The narrower one is told.
-        """
-        last = other.run.along[np.isfinite(other.run.diameter)][-1]
-        is_met = other.narrow.end >= last and self._is_at_ostium_in(other)
-        return is_met and bool(other.run.division) and self.narrowest <= other.narrowest
-
-    def is_part_of(self, other: _Found) -> bool:
-        """Whether it lies at an ostium within the narrowing of its parent: it is the same wall.
-
-        What is narrower at the ostium than the parent is its own.
-        """
-        is_round = other.narrow.start <= self.run.along[0] <= other.narrow.end
-        is_same = is_round and self.narrowest >= SAME_WALL * other.narrowest
-        return is_same and self._is_at_ostium_in(other)
-
-    def _is_at_ostium_in(self, other: _Found) -> bool:
-        first = self.run.along[np.isfinite(self.run.diameter)][0]
-        return bool(self.run.parent == other.vessel and self.narrow.start <= first)
+    @cached_property
+    def is_at_ostium(self) -> bool:
+        """Whether it begins where the vessel leaves its parent."""
+        known = np.flatnonzero(np.isfinite(self.run.diameter))
+        return self.run.parent >= 0 and bool(self.narrow.start <= self.run.along[known[0]])
 
     @property
-    def narrowest(self) -> float:
-        """Diameter of its narrowest station, mm."""
-        at = np.abs(self.run.along - self.narrow.narrowest).argmin()
-        return float(self.run.diameter[at])
+    def healthy(self) -> float:
+        """How wide its vessel should be where it is narrowest, mm."""
+        return float(self.narrow.reference.at(np.array([self.narrow.narrowest]))[0])
+
+    def holds(self, other: _Found) -> bool:
+        """Whether another one is narrowest in the healthy lumen of this one.
+
+        That of a vessel is in none of its branches but those as wide, in which it goes on as well.
+        """
+        if self.run.parent == other.vessel and self.healthy < SAME_CALIBER * other.healthy:
+            return False
+        along, start = self.run.along, -np.inf if self.is_at_ostium else self.narrow.start
+        inner = (along >= start) & (along <= self.narrow.end)
+        away = np.linalg.norm(self.run.points[inner] - other.run.points[other.narrowest], axis=1)
+        return bool((away < self.narrow.reference.at(along[inner]) / 2).any())
+
+    def continues(self, other: _Found) -> bool:
+        """Whether it begins where another one, and its vessel, ends by dividing."""
+        last = other.run.along[np.isfinite(other.run.diameter)][-1]
+        is_met = self.run.parent == other.vessel and other.narrow.end >= last
+        return is_met and self.is_at_ostium and bool(other.run.division)
 
 
 def _found(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[_Found]:
-    """The narrowings of some vessels; of one that lies across a division the vessel's own part.
+    """The narrowings of some vessels, each once.
 
-    Without healthy vessel on any side nothing tells how wide it should be.
+    Of one that goes across a division the narrowest part is told. Where lines part, or branches
+    leave, what is narrowest in the healthy lumen of another one of a higher degree is that.
     """
     every = [
         _Found(number, runs[number], narrow)
         for number in asked
         for narrow in narrowings(runs[number])
     ]
-    found = [one for one in every if any(side is not None for side in one.sides)]
-    found = [one for one in found if not any(other.continues(one) for other in found)]
-    return [one for one in found if not any(one.is_part_of(other) for other in found)]
+    wide = {
+        id(max(pair, key=lambda one: one.run.diameter[one.narrowest]))
+        for pair in product(every, every)
+        if pair[0].continues(pair[1])
+    }
+    kept: list[_Found] = []
+    for one in sorted(every, key=lambda one: -one.narrow.degree):
+        if id(one) not in wide and not any(other.holds(one) for other in kept):
+            kept.append(one)
+    return kept
 
 
 def _begun(
@@ -299,7 +292,7 @@ def _begun(
         percent_diameter=unknown,
         proximal=sides[0],
         distal=sides[1],
-        reference=reference_words(sides),
+        reference=reference_words(sides, widest=narrow.reference.widest),
         line=Line(line),
         healthy=narrow.reference.at(along),
         diameters=np.r_[ends[0], run.diameter[inner], ends[1]],

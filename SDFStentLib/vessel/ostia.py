@@ -26,7 +26,7 @@ from ..lumen import (
     pouch_width,
 )
 from ..validation import Flags, Floats, Indices, Points, read_only
-from .plateaus import ANEURYSM
+from .caliber import ANEURYSM
 
 LISTED = 10.0
 """Ostia so far beyond an end of the stent are found, mm."""

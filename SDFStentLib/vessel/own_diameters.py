@@ -16,7 +16,7 @@ from ..geometry import Surface
 from ..lumen import InscribedSpheres, LocalSurface, with_own_spheres
 from ..validation import Indices
 from .branch_lumen import tree_lumen
-from .narrowings import may_be_narrowed
+from .narrowings import narrowings
 from .runs import VesselRun, vessel_runs
 from .tree_around import limbs_of
 
@@ -33,7 +33,7 @@ def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[Vessel
     runs, wall = vessel_runs(tree.rough, limbs_of(centerline)), tree.spheres.surface
     stations = [tree.stations_of(run) for run in runs]
     own = _own(wall, runs, [tree.spheres.rough.at(which) for which in stations])
-    asked = [number for number, run in enumerate(own) if may_be_narrowed(run, _ROUGHLY)]
+    asked = [number for number, run in enumerate(own) if narrowings(run, _ROUGHLY)]
     if asked:
         ends = np.cumsum([len(stations[number]) for number in asked])
         exact = tree.spheres.exact(np.concatenate([stations[number] for number in asked]))

@@ -70,8 +70,8 @@ class VesselRun(NamedTuple):
     """Of the widest healthy part of what it leads to, mm; 0 where nothing is known."""
     outlets: int
     """To how many ends of the centerline it leads."""
-    origin: float = np.inf
-    """How wide its parent is about where it leaves, mm; without end for one that has none."""
+    is_onward: bool = False
+    """Whether it is the widest of the vessels into which its parent divides."""
 
     @property
     def points(self) -> Points:
@@ -93,15 +93,13 @@ def vessel_runs(lumens: Sequence[BranchLumen], limbs: Collection[int] = ()) -> l
         run, leaving = _run(tree, first, parent, found[parent].generation + 1 if parent >= 0 else 0)
         found.append(run)
         waiting += [(number, len(found) - 1) for number in leaving]
-    return [run._replace(origin=_origin(run, found)) for run in found]
+    return [run._replace(is_onward=_is_onward(run, found)) for run in found]
 
 
-def _origin(run: VesselRun, runs: Sequence[VesselRun]) -> float:
-    """The usual diameter of a vessel's parent not far from where it leaves."""
-    if run.parent < 0:
-        return np.inf
-    parent = runs[run.parent]
-    return _usual_near(parent.diameter, np.abs(parent.along - run.along[0]), np.inf)
+def _is_onward(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
+    division = runs[run.parent].division if run.parent >= 0 else ()
+    begins = run.along[0] in [one.arc_length for one in division]
+    return begins and run.caliber >= SAME_CALIBER * max(one.caliber for one in division)
 
 
 def _usual_near(diameter: Floats, distance: Floats, otherwise: float) -> float:
