@@ -154,7 +154,7 @@ def _narrowing(run: VesselRun, caliber: Caliber, at: int, eased: float) -> Narro
 def _reference(run: VesselRun, caliber: Caliber, at: int, eased: float) -> Reference | None:
     """The healthy vessel about a minimum; None where that does not persist."""
     narrow = float(caliber.diameter[at])
-    ways, widest, smallest = _sides(run, caliber, at, 1 - SMALLEST_DEGREE + eased)
+    ways, widest, smallest = _sides(run, caliber, at, eased)
     if narrow > (1 - smallest + eased) * widest:
         return None
     least = narrow + REGAINED * (widest - narrow)
@@ -169,15 +169,15 @@ def _reference(run: VesselRun, caliber: Caliber, at: int, eased: float) -> Refer
 
 
 def _sides(
-    run: VesselRun, caliber: Caliber, at: int, share: float
+    run: VesselRun, caliber: Caliber, at: int, eased: float
 ) -> tuple[tuple[int, ...], float, float]:
     """The sides of a minimum that tell, how wide the vessel is again, and the least persistence.
 
-    Both sides do where it is wider on both by the share; else the one that is no junction.
+    Both sides do where it is wider on both; else the one that is no junction.
     """
     narrow = float(caliber.diameter[at])
     widest = min(_widest(caliber, at, way, REACH) for way in (-1, 1))
-    if narrow <= share * widest:
+    if narrow <= (1 - SMALLEST_DEGREE + eased) * widest:
         return (-1, 1), widest, SMALLEST_DEGREE
     above, below = (_one_sided(caliber, at, way) for way in (-1, 1))
     begins, ends, asked = run.parent >= 0, bool(run.division), _divided(run)
@@ -185,7 +185,7 @@ def _sides(
         told = (1,), below, SMALLEST_ONWARD if run.is_onward else SMALLEST_ONE_SIDED
     else:
         told = (-1,), min(above, asked) if ends else 0.0, SMALLEST_ONE_SIDED
-    if begins and ends and narrow > (1 - told[2]) * told[1] and np.isfinite(asked):
+    if begins and ends and narrow > (1 - told[2] + eased) * told[1] and np.isfinite(asked):
         return (), asked, SMALLEST_ALONE
     return told
 
