@@ -1,4 +1,4 @@
-"""Virtual stenting of vessel surfaces: NumPy in, NumPy out, millimetres everywhere.
+"""Virtual stenting of vessel surfaces: NumPy in, NumPy out, millimeters everywhere.
 
 A vessel's wall is a `Surface`, checked once; arrays become one by `Surface(points, triangles)`.
 

@@ -84,7 +84,7 @@ def test_the_field_is_the_plain_fold_on_random_walks_that_cross_themselves(seed,
 
 
 def test_the_field_is_exact_far_from_the_origin():
-    # A vessel a metre from the origin: squared distances must not lose digits to it.
+    # A vessel a meter from the origin: squared distances must not lose digits to it.
     shift = np.array([1000.0, -700, 300])
     chain = CapsuleChain.along(AXES["bent"] + shift)
     assert_equals_the_plain_fold(chain, points_round(chain))

@@ -294,8 +294,8 @@ def test_after_untangling_the_certificate_is_that_of_the_whole(
 def bumps(points, rng, count, size):
     """The surface with a few patches thrown about."""
     after = points.copy()
-    for centre in points[rng.integers(len(points), size=count)]:
-        near = np.linalg.norm(points - centre, axis=1) < 2.0
+    for center in points[rng.integers(len(points), size=count)]:
+        near = np.linalg.norm(points - center, axis=1) < 2.0
         after[near] += rng.normal(size=(near.sum(), 3)) * size
     return after
 

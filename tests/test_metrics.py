@@ -65,7 +65,7 @@ def upward(count):
 
 
 def largest_circle_in_convex_polygon(outline):
-    """Chebyshev centre by linear programming: an oracle that shares nothing with the search."""
+    """Chebyshev center by linear programming: an oracle that shares nothing with the search."""
     from scipy.optimize import linprog
 
     sides = np.roll(outline, -1, axis=0) - outline

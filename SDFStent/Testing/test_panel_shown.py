@@ -203,7 +203,7 @@ def test_nobody_is_told_to_click_a_button_that_cannot_be_clicked(host, aStent):
     ]
 
 
-def test_nothing_can_be_cancelled_once_the_last_stent_is_gone(host, aStent):
+def test_nothing_can_be_canceled_once_the_last_stent_is_gone(host, aStent):
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     host.click(aStent.ui.removeStentButton)

@@ -53,11 +53,11 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
     # The sphere of an axis that ends in an opening may lie beside its end.
     room = np.maximum(_room(last - middles, heading, radii), _WITHIN * search.distances(last))
     goes_on = goes_on[room[goes_on] > _NARROWEST]
-    travelled = np.zeros(len(axes))
+    traveled = np.zeros(len(axes))
     # Ends: every step goes on by half the narrowest radius at least, the room, or what is left.
     while len(goes_on):
         whole = _STEP * radii[goes_on]
-        step = np.minimum(np.minimum(whole, room[goes_on]), reach - travelled[goes_on])
+        step = np.minimum(np.minimum(whole, room[goes_on]), reach - traveled[goes_on])
         ahead = last[goes_on] + step[:, None] * heading[goes_on]
         centers, wide = search.spheres(ahead, heading[goes_on], Until(_CLOSELY))
         # A sphere that shrinks so fast stands before the end of the vessel.
@@ -66,14 +66,14 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
         # Half the way to the middle: the way bends no faster than the vessel.
         following = (ahead[is_open] + centers[is_open]) / 2
         moved = following - last[goes_on]
-        travelled[goes_on] += norm(moved)
+        traveled[goes_on] += norm(moved)
         turned = heading[goes_on] + 0.5 * moved / whole[:, None]
         heading[goes_on], radii[goes_on] = turned / norm(turned)[:, None], wide
         last[goes_on] = following
         room[goes_on] = _room(following - centers[is_open], heading[goes_on], wide)
         for way, place in zip(goes_on.tolist(), following, strict=True):
             found[way].append(place)
-        goes_on = goes_on[(room[goes_on] > _NARROWEST) & (travelled[goes_on] < reach - _NOTHING)]
+        goes_on = goes_on[(room[goes_on] > _NARROWEST) & (traveled[goes_on] < reach - _NOTHING)]
     return [np.reshape(way, (-1, 3)) for way in found]
 
 
@@ -185,18 +185,18 @@ def _along_tree(tree: Centerline, axis: Line, reach: float) -> Points:
     sides = [(place.index, above), (above, place.index)]
     tips = [tree.points[_ahead(tree, *side, radius)] for side in sides]
     came_from, node = sides[int(np.argmax([(tip - place.point) @ heading for tip in tips]))]
-    way, travelled = [place.point], 0.0
+    way, traveled = [place.point], 0.0
     # Ends: never back, and the tree has no circle.
     while True:
-        travelled += dist(tree.points[node], way[-1])
+        traveled += dist(tree.points[node], way[-1])
         way.append(tree.points[node])
         onward = _onward(tree, came_from, node)
-        if travelled >= reach or not onward:
+        if traveled >= reach or not onward:
             break
         above = int(tree.parent[node])
         came_from, after = node, above if above in onward else onward[0]
         if len(onward) > 1 and after != above:
-            ahead = heading_of(Line(np.array(way)), radius) if travelled > radius else heading
+            ahead = heading_of(Line(np.array(way)), radius) if traveled > radius else heading
             after = onward[_straightest(tree, node, onward, ahead, 2 * radius)]
         node = after
     line = Line(np.array(way)).without_repeats()

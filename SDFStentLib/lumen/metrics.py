@@ -1,7 +1,7 @@
 """Diameters along a vessel.
 
 Two diameters, because neither tells all. The *inscribed* diameter is that of the largest sphere
-that fits into the lumen, its centre free in the plane across the axis: what a stent or a balloon
+that fits into the lumen, its center free in the plane across the axis: what a stent or a balloon
 feels. The *equivalent* diameter is that of the circle with the area of the lumen's cross-section:
 what the flow feels. They agree in a round tube; elsewhere the inscribed one is the smaller.
 """
@@ -112,7 +112,7 @@ class DiameterProfile:
     arc_length: Floats
     """(n,) position along the axis, mm."""
     centers: Points
-    """(n, 3) centres of the inscribed spheres, mm."""
+    """(n, 3) centers of the inscribed spheres, mm."""
     inscribed_diameter: Floats
     """(n,) mm."""
     equivalent_diameter: Floats

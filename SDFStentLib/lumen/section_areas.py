@@ -1,4 +1,4 @@
-"""Areas of many cross-sections at once, from the part of the surface round their centres.
+"""Areas of many cross-sections at once, from the part of the surface round their centers.
 
 The plain way cuts the surface plane by plane and follows every loop. Here all planes are cut
 together, and a loop is a connected part of the graph of the cut edges: its area is a sum over its
@@ -91,7 +91,7 @@ class _Cuts(NamedTuple):
 def section_areas(
     points: Points, triangles: Triangles, centers: Points, normals: Points
 ) -> SectionAreas:
-    """Area of the smallest closed loop round every centre, without islands in it.
+    """Area of the smallest closed loop round every center, without islands in it.
 
     It is looked for in the part of the surface near a few, then near all, then in the whole: a loop
     inside of another one is never farther away.
@@ -122,7 +122,7 @@ def section_areas(
 def section_loops(
     points: Points, triangles: Triangles, centers: Points, normals: Points
 ) -> SectionLoops:
-    """The loops of `section_areas` as far as they lie near their centres.
+    """The loops of `section_areas` as far as they lie near their centers.
 
     No loop for a section that reaches far into other vessels, or that is doubtful.
     """
@@ -160,7 +160,7 @@ def _in_blocks(
 
 
 def _near(points: Points, triangles: Triangles, centers: Points) -> tuple[Points, Triangles]:
-    """The part of the surface in the box round the centres that holds their sections, mostly."""
+    """The part of the surface in the box round the centers that holds their sections, mostly."""
     return compacted(points, _near_triangles(points, triangles, centers))
 
 

@@ -35,16 +35,16 @@ def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
     found: set[int] = set()
     # Ends: never back, and the tree has no circle.
     while front:
-        came_from, node, travelled = front.pop()
+        came_from, node, traveled = front.pop()
         onward = np.flatnonzero((begins == node) | (stops == node))
         onward = onward[onward != came_from]
-        if travelled >= reach or not len(onward):
+        if traveled >= reach or not len(onward):
             found.add(node)
             continue
         for branch in onward.tolist():
             other = stops[branch] if begins[branch] == node else begins[branch]
             size = float(at[stops[branch]] - at[begins[branch]])
-            front.append((branch, int(other), travelled + size))
+            front.append((branch, int(other), traveled + size))
     return found
 
 

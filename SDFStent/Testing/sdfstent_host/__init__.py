@@ -3,7 +3,7 @@
 Real: MRML, its logics and displayable managers (package slicer-core), VTK. Stood in for: PythonQt by PySide6, CTK and qMRML
 widgets by small look-alikes, and Slicer's Python layer (`slicer.ScriptedLoadableModule`, `slicer.i18n`,
 `slicer.parameterNodeWrapper`, `slicer.app`, `slicer.modules`, `SampleData`). It proves wiring, layout, names and logic; it does
-not prove PythonQt's own behaviour. Nothing in here is shipped.
+not prove PythonQt's own behavior. Nothing in here is shipped.
 
     host = Host.start()
     module = host.loadModule("SDFStent/SDFStent.py")

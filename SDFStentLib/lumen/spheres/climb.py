@@ -1,14 +1,14 @@
 """How a sphere climbs to the middle of a lumen.
 
-The centre is free in the plane through the axis point normal to the axis. It climbs: at a centre c
+The center is free in the plane through the axis point normal to the axis. It climbs: at a center c
 every nearby triangle i has a distance d_i and a unit direction g_i away from it, and because the
 distance to a triangle is convex,
 
     d_i(c + x) >= d_i + g_i x.
 
 The step x therefore solves a small linear programme, largest t with t <= d_i + g_i x and x in a
-box, and the true distance after the step is at least t: every step climbs. The new centre lies
-inside the old sphere, which holds no wall, so a centre can never pass through one.
+box, and the true distance after the step is at least t: every step climbs. The new center lies
+inside the old sphere, which holds no wall, so a center can never pass through one.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _ON_WALL = 1e-9
 
 
 class InscribedSpheres(NamedTuple):
-    """Centres (n, 3) and radii (n,), mm; NaN in both where there is no lumen round the point."""
+    """Centers (n, 3) and radii (n,), mm; NaN in both where there is no lumen round the point."""
 
     centers: Points
     radii: Floats
@@ -59,9 +59,9 @@ class Until(NamedTuple):
     """Where the search for a sphere ends."""
 
     tolerance: float = 1e-6
-    """A centre stays when the linear model promises less gain than this, mm."""
+    """A center stays when the linear model promises less gain than this, mm."""
     enough: Floats | float = np.inf
-    """(n,) or one for all: a centre stays, too, when its sphere is larger than this, mm."""
+    """(n,) or one for all: a center stays, too, when its sphere is larger than this, mm."""
 
     def at(self, which: Indices | slice) -> Until:
         """That of some spheres."""

@@ -58,8 +58,8 @@ def inscribed_spheres(
     Returns
     -------
     InscribedSpheres
-        The radius is the exact distance from the returned centre to the surface, hence never too
-        large. NaN when the centre climbs out of the surface's bounding box (the axis point was
+        The radius is the exact distance from the returned center to the surface, hence never too
+        large. NaN when the center climbs out of the surface's bounding box (the axis point was
         outside); 0 at an axis point on the wall.
 
     Notes
@@ -73,7 +73,7 @@ def inscribed_spheres(
     Raises
     ------
     InputError
-        Wrong shapes, a zero tangent, or a single centre without a tangent.
+        Wrong shapes, a zero tangent, or a single center without a tangent.
     """
     centers = as_points(centers, "centers")
     as_number(until.tolerance, "tolerance", unit="mm", above=0)

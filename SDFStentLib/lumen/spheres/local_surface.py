@@ -1,4 +1,4 @@
-"""The part of a surface that lies near some centres."""
+"""The part of a surface that lies near some centers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ROUND = 2.5
 
 
 class LocalSurface:
-    """The part of a surface near some centres; grows when they ask for more.
+    """The part of a surface near some centers; grows when they ask for more.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class LocalSurface:
         return self.index.near(centers, radii)
 
     def distances(self, centers: Points) -> Floats:
-        """Distance (n,) from centres to the whole surface."""
+        """Distance (n,) from centers to the whole surface."""
         if not len(centers):
             return np.empty(0)
         if self._index is None:
@@ -90,7 +90,7 @@ class LocalSurface:
         return np.minimum(4 * np.pi * reach**2 / max(area, 1e-300), float(len(middles)))
 
     def cover(self, centers: Points, radii: Floats) -> None:
-        """Hold all within the radii of the centres."""
+        """Hold all within the radii of the centers."""
         if self._index is None:
             self._low, self._high = self._centers.min(axis=0), self._centers.max(axis=0)
             self._grow(_AMPLY * self._missing(centers, radii))
@@ -118,7 +118,7 @@ class LocalSurface:
         return nearest_distances(centers, some)
 
     def _grow(self, margin: float) -> None:
-        """Take the triangles in the box round the centres, if there are any."""
+        """Take the triangles in the box round the centers, if there are any."""
         self.growths += 1
         self._numbers = None
         self._margin = margin
@@ -136,17 +136,17 @@ class LocalSurface:
         return bool(np.all(self._low <= self.lowest) and np.all(self._high >= self.highest))
 
     def _missing(self, centers: Points, radii: Floats) -> float:
-        """How far all within the radii of the centres reaches out of the box, mm."""
+        """How far all within the radii of the centers reaches out of the box, mm."""
         reach = radii[:, None]
         beyond = np.maximum(self._low - (centers - reach), centers + reach - self._high)
         return max(float(beyond.max(initial=0.0)), 0.0)
 
     def _cover(self, centers: Points, radii: Floats) -> bool:
-        """Grow, at most once, to hold all within the radii of the centres; whether it grew."""
+        """Grow, at most once, to hold all within the radii of the centers; whether it grew."""
         missing = self._missing(centers, radii)
         if missing <= 0 or self._is_whole():
             return False
-        # Doubling spares growing at every step, but twice the margin of a centre on a vertex is 0.
+        # Doubling spares growing at every step, but twice the margin of a center on a vertex is 0.
         self._grow(max(2 * self._margin, self._margin + _AMPLY * missing))
         return True
 

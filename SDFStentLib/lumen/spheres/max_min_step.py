@@ -1,4 +1,4 @@
-"""The step that raises the smallest of many linear functions most, for many centres at once."""
+"""The step that raises the smallest of many linear functions most, for many centers at once."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ _PIVOTS = 100
 
 
 class LinearRows(NamedTuple):
-    """Rows t <= distance + slope x, grouped by centre.
+    """Rows t <= distance + slope x, grouped by center.
 
     Attributes
     ----------
     distance, slope : (r,) and (r, 2) arrays
     starts : (n,) array
-        First row of each centre; every centre has at least one.
+        First row of each center; every center has at least one.
     radii : (n,) array
-        Smallest distance of each centre.
+        Smallest distance of each center.
     """
 
     distance: Floats
@@ -33,16 +33,16 @@ class LinearRows(NamedTuple):
 def largest_steps(rows: LinearRows, box: Floats) -> tuple[Floats, Floats]:
     """Step x (n, 2) in the box |x| <= box, and height t (n,), with t largest under all rows.
 
-    Dual simplex, all centres at once: three rows are held with equality; the row that is
+    Dual simplex, all centers at once: three rows are held with equality; the row that is
     violated most comes in for the one that keeps the rest in balance.
     """
     step, height = np.zeros((2, len(box))), np.empty(len(box))
-    # The rest is thinned out in place as centres come to their ends.
+    # The rest is thinned out in place as centers come to their ends.
     active, slope = np.arange(len(box)), np.ascontiguousarray(rows.slope.T)
     distance, starts = rows.distance, rows.starts
     counts = np.diff(np.r_[starts, len(distance)])
     lowest = _first_of_largest(-distance, starts, counts)
-    # Of the three rows that hold a centre: right sides (3, n), and columns of the inverse,
+    # Of the three rows that hold a center: right sides (3, n), and columns of the inverse,
     # (row, coefficient, n). At first the lowest row and the corner of the box that it rises to.
     bound = np.stack([distance[lowest], box, box])
     sign = np.where(slope[:, lowest] >= 0, 1.0, -1.0)

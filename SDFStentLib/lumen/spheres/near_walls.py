@@ -20,7 +20,7 @@ _HELD = 0.7
 
 
 class Neighborhood:
-    """Triangles near every centre, found once and thinned out as the centres settle."""
+    """Triangles near every center, found once and thinned out as the centers settle."""
 
     def __init__(self, surface: LocalSurface | WallPoints, count: int) -> None:
         self._surface = surface
@@ -31,7 +31,7 @@ class Neighborhood:
         self._pairs = NearPairs(nothing, nothing, np.empty(0))
 
     def forget(self, active: Indices, moved: Floats) -> None:
-        """Centres have moved: what is known of distances shrinks by as much."""
+        """Centers have moved: what is known of distances shrinks by as much."""
         self._covered[active] -= moved
         self._moved[active] += moved
 
@@ -64,7 +64,7 @@ class Neighborhood:
         return LinearRows(distance, slope, np.searchsorted(query, active), radius)
 
     def _find(self, centers: Points, active: Indices, which: Indices, wanted: Floats) -> None:
-        """Search anew round some of the centres, as far as wanted."""
+        """Search anew round some of the centers, as far as wanted."""
         found = self._surface.near(centers[which], wanted)
         self._covered[which] = wanted
         kept = self._pairs_of(len(centers), np.setdiff1d(active, which, assume_unique=True))
@@ -77,7 +77,7 @@ class Neighborhood:
         self._hold(pairs, len(active))
 
     def _pairs_of(self, count: int, some: Indices) -> NearPairs:
-        """What is known of some of so many centres."""
+        """What is known of some of so many centers."""
         is_one = np.zeros(count, dtype=bool)
         is_one[some] = True
         query, triangle, bound = self._pairs
@@ -90,7 +90,7 @@ class Neighborhood:
     def _offsets(
         self, centers: Points, active: Indices, radii: Floats, spare: Floats
     ) -> tuple[Indices, Points, Floats]:
-        """From the walls within `radii` of the active centres: query, offset and distance.
+        """From the walls within `radii` of the active centers: query, offset and distance.
 
         Looks at a little more, up to `radii + spare`, so that it need not search at every step.
         """
