@@ -28,10 +28,11 @@ def host():
 
 @pytest.fixture(scope="session", autouse=True)
 def knownResults(theModule):
-    """Measure each treatment of the panel once: that takes longer than to deploy. A test that needs it to take time clears it.
+    """Measure each treatment of the panel only once, which takes longer than deploying. A test that needs the time
+    clears the dictionary.
 
-    What is measured is known by the surfaces before and after, by stents, centerline and settings. The library's own
-    `Treatment`, with which results of the panel are compared, knows nothing.
+    Results are found by the surfaces before and after, stents, centerline and settings. The library's own `Treatment`,
+    with which results of the panel are compared, keeps none.
     """
     from SDFStentSlicer import Deploying, Stenting
 
@@ -41,7 +42,9 @@ def knownResults(theModule):
         walls = (sha1(surface.points.tobytes()).digest() for surface in (after, before))
         lie = ((stent.number, stent.axis.points.tobytes()) for stent in stents)
         key = (*lie, *map(id, found), *walls)
-        if key not in known:  # with what the numbers in the key are of, so that they stay theirs
+        if (
+            key not in known
+        ):  # with the objects whose ids are in the key, so that the ids stay theirs
             known[key] = treated(found, stents, after, before), found
         return known[key][0]
 
@@ -93,7 +96,7 @@ def theModule(host):
 
 @pytest.fixture
 def aScene(host, theModule):
-    """An empty scene; afterwards nothing may have been logged."""
+    """An empty scene; after the test nothing may have been logged."""
     host.newScene()
     host.errors()
     yield host.scene
@@ -102,7 +105,7 @@ def aScene(host, theModule):
 
 @pytest.fixture
 def aPanel(host, aScene, theModule):
-    """The module's panel, entered, without *Live*: where a click tells of itself, nothing is deployed before it."""
+    """The module's panel, entered, without *Live*, so that nothing is deployed before a click."""
     panel = host.openPanel(theModule)
     panel.ui.autoUpdateCheckBox.checked = False
     yield panel
@@ -135,7 +138,7 @@ def theParameters(aLogic, aVessel):
 
 @pytest.fixture
 def thePictures(tmp_path):
-    """Where screenshots go: a folder of one's own by the variable SDFSTENT_PICTURES, else a temporary one."""
+    """The folder for screenshots: the one named by the variable SDFSTENT_PICTURES, else a temporary one."""
     folder = Path(os.environ.get("SDFSTENT_PICTURES", tmp_path))
     folder.mkdir(parents=True, exist_ok=True)
     return folder

@@ -1,4 +1,5 @@
-"""Time in the application: Python threads rest while Qt's event loop runs, and frames of the 3D view take what they take."""
+"""Time in the application: Python threads rest while Qt's event loop runs, and each frame of the 3D view takes a given
+time."""
 
 import ctypes
 import sys
@@ -11,7 +12,7 @@ from PySide6 import QtCore
 from vtkmodules.vtkCommonCore import vtkCommand
 
 FRAME_EVERY_MS = 16
-"""`ctkVTKAbstractView` draws no more often, 60 times a second."""
+"""Shortest time between two frames of `ctkVTKAbstractView`, which draws at most 60 times a second."""
 
 QT_CORE = Path(PySide6.__file__).parent / "Qt" / "lib" / "libQt6Core.so.6"
 PROCESS_EVENTS = "_ZN16QCoreApplication13processEventsE6QFlagsIN10QEventLoop17ProcessEventsFlagEE"
@@ -29,13 +30,13 @@ else:
 
 
 def deliverEvents(isWaiting=False):
-    """Let Qt deliver its events, timers included; where it waits, until there is one."""
+    """Let Qt deliver its events, timers included; if it waits, only once there is one."""
     events = QtCore.QEventLoop
     _processEvents((events.WaitForMoreEvents if isWaiting else events.AllEvents).value)
 
 
 class QTimer(QtCore.QTimer):
-    """A timer of the module: where nothing else is to be done, the time that is left of it need not be sat out."""
+    """A timer of the module. When nothing else is left to do, a test need not wait until it is due."""
 
     known = weakref.WeakSet()
 
@@ -45,7 +46,8 @@ class QTimer(QtCore.QTimer):
 
 
 def passTime():
-    """End the wait of the timer that is due next, as if its time had passed; whether there was one, and nothing under way."""
+    """End the wait of the timer that is due next, as if its time had passed; returns whether there was one, and nothing
+    else under way."""
     waiting = [timer for timer in QTimer.known if QtCore.QTimer.isActive(timer)]
     if not waiting or any(QtCore.QTimer.interval(timer) == 0 for timer in waiting):
         return False
@@ -57,9 +59,10 @@ def passTime():
 
 
 class Frames:
-    """Frames of a view, each of which keeps the application for some seconds; asked for as `ctkVTKAbstractView` asks.
+    """Frames of a view that are asked for as `ctkVTKAbstractView` asks; each keeps the application busy for some
+    seconds.
 
-    `count` is how many were drawn, `onFrame()` is called before each.
+    `count` is the number of frames drawn, `onFrame()` is called before each.
     """
 
     def __init__(self, group, applicationLogic, seconds):
@@ -95,7 +98,7 @@ class Frames:
             self._asked = time.perf_counter()
             self._timer.start()
         elif time.perf_counter() - self._asked > FRAME_EVERY_MS / 1000:
-            self._draw()  # at once, whoever asks
+            self._draw()  # overdue: drawn within the call that asks
 
     def _draw(self):
         if self._pauses > 0 or self._asked is None:

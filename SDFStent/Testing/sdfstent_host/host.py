@@ -19,8 +19,8 @@ if not os.environ.get("DISPLAY"):
 import slicer
 
 if sys.version_info < (3, 12):
-    # PySide6 6.12 gives back None, True and False without counting them, which only later Pythons, where they are immortal,
-    # allow: after some ten thousand calls the interpreter would abort ("deallocating None").
+    # PySide6 6.12 gives back None, True and False without counting them, which only later Pythons, where they are
+    # immortal, allow: after some ten thousand calls the interpreter would abort ("deallocating None").
     for constant in (None, True, False):
         ctypes.c_ssize_t.from_address(id(constant)).value += 1 << 40
 
@@ -32,13 +32,14 @@ from .qt_stand_in import wrapped
 from .skins import qMRMLWidget
 
 LOOK_MS = 20
-"""Between two looks at what is waited for, where no event comes. An application sleeps until there is one; who only looks again
-takes a core, and the interpreter from the threads that are waited for."""
+"""Time between two looks at a condition that is waited for, while no event comes. An application sleeps until there is
+one; to look again and again would keep a core busy, and take the interpreter from the threads that are waited for."""
 
 
 @contextlib.contextmanager
 def withoutLaterModules(name):
-    """Take out of `slicer` the classes of loadable modules that come after `name` in the alphabet: they are loaded later."""
+    """Remove the classes of loadable modules after `name` in the alphabet from `slicer` within the block: Slicer loads
+    them later."""
     later = {}
     for attribute, cls in vars(slicer).items():
         owner = re.search(r"vtkSlicer(\w+)Module", getattr(cls, "__module__", "") or "")
@@ -53,7 +54,7 @@ def withoutLaterModules(name):
 
 
 class Host:
-    """One per process: `Host.start()` returns the same object each time.
+    """The application of a process: `Host.start()` returns the same object each time.
 
     The environment variable SLICER_CHECKOUT may name a folder of Slicer's sources: its own Python layer is used then.
     """
@@ -79,18 +80,17 @@ class Host:
         self.pythonErrors = []
         sys.excepthook = self._onException  # slots and VTK observers report here, not to the caller
         self._panels, self._rulers = [], {}
-        self.sitsOutWaits = (
-            False  # whoever measures how long something takes wants them as they are
-        )
+        self.sitsOutWaits = False  # True when a test measures times, which needs real waits
         logging.getLogger().addHandler(LogList(self.pythonErrors))
-        self.application.errorLog.clear()  # what Slicer's own start-up says is not the module's
+        self.application.errorLog.clear()  # messages of Slicer's own start-up are not the module's
 
     @property
     def scene(self):
         return self.application.scene
 
     def loadModule(self, path):
-        """Execute a module file as Slicer's factory does: its folder on the path, its class made with a parent."""
+        """Execute a module file as Slicer's factory does: with its folder on the path, and its class made with a
+        parent."""
         path = Path(path).resolve()
         if str(path.parent) not in sys.path:
             sys.path.append(str(path.parent))
@@ -121,7 +121,7 @@ class Host:
 
     @contextlib.contextmanager
     def drawing(self, seconds):
-        """Draw the 3D view as the application does, frames that cost so much; gives the `Frames`."""
+        """Draw the 3D view as the application does, with frames that take this time each; yields the `Frames`."""
         application = self.application
         frames = Frames(application.view.group, application.applicationLogic, seconds)
         before, self.sitsOutWaits = self.sitsOutWaits, True
@@ -132,7 +132,8 @@ class Host:
             frames.stop()
 
     def widths(self, panel):
-        """The widths that the application has given to a panel so far, pixels: that of its widest minimum, at any time."""
+        """The widths in pixels that the application has given to a panel so far: each is its minimum width at some
+        time."""
         self.process()
         return self._rulers[panel].widths
 
@@ -190,12 +191,12 @@ class Host:
                 self._sleep()
 
     def _sleep(self, milliseconds=LOOK_MS):
-        """Until there is an event, and deliver it."""
+        """Wait until there is an event, and deliver it."""
         self._alarm.start(milliseconds)
         deliverEvents(isWaiting=True)
 
     def click(self, button):
-        """A left click in the middle of a button that the user can see and press."""
+        """Click with the left button in the middle of a button that the user can see and press."""
         if not button.isEnabled():
             raise AssertionError(f"{button.objectName} is disabled: {button.toolTip}")
         QtTest.QTest.mouseClick(button, QtCore.Qt.LeftButton)
@@ -208,14 +209,14 @@ class Host:
         self.process()
 
     def grab(self, widget, path):
-        """What the widget shows, as a PNG file."""
+        """Save the picture of a widget as a PNG file."""
         self.process()
         if not widget.grab().save(str(path)):
             raise OSError(f"Could not write {path}")
         return Path(path)
 
     def errors(self):
-        """Everything that went wrong since the last call: VTK's and MRML's log, Python errors in slots and observers."""
+        """All errors since the last call: the log of VTK and MRML, and Python errors in slots and observers."""
         found = [line for line in self.application.errorLog.text().splitlines() if line.strip()]
         found += self.pythonErrors
         self.application.errorLog.clear()
@@ -227,7 +228,8 @@ class Host:
 
 
 class Ruler(QtCore.QObject):
-    """Measures how wide a panel has to be, as `qSlicerModulePanel` does, whenever something in it wants another size."""
+    """Measures the width that a panel needs, as `qSlicerModulePanel` does, whenever something in it asks for another
+    size."""
 
     def __init__(self, parent):
         super().__init__(parent)

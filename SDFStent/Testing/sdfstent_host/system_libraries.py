@@ -1,4 +1,4 @@
-"""Which system libraries Qt and off-screen rendering need, and the Debian package that brings each."""
+"""The system libraries that Qt and off-screen rendering need, and the Debian package that contains each."""
 
 import ctypes
 import sys
@@ -20,7 +20,7 @@ FONT_PACKAGE = "fonts-dejavu-core"
 
 
 def missingLibraries():
-    """Sentences, one per library or font that is missing; empty on a machine that can run the host."""
+    """A sentence for each missing library or font; none on a machine that can run the host."""
     if not sys.platform.startswith("linux"):
         return []
     missing = [
@@ -36,7 +36,7 @@ def missingLibraries():
 
 
 def debianPackages():
-    """Every Debian package that `missingLibraries` may ask for."""
+    """All Debian packages that `missingLibraries` may ask for."""
     return sorted({*PACKAGE_OF_LIBRARY.values(), FONT_PACKAGE})
 
 

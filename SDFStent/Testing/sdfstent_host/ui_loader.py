@@ -1,4 +1,4 @@
-"""Load a .ui file as Slicer's `slicer.util.loadUI` does, with skins for every widget that is not Qt's own."""
+"""Loads a .ui file as Slicer's `slicer.util.loadUI` does, with skins for every widget that is not Qt's own."""
 
 import xml.etree.ElementTree as ElementTree
 from functools import cache
@@ -10,7 +10,7 @@ from SDFStentApp.ui_file import connect, fill
 from . import skins
 from .qt_stand_in import wrapped
 
-# PySide6 may make a new wrapper for a widget nobody holds, and a plain one then.
+# Keeps the widgets: for one that nobody holds, PySide6 may make a new wrapper, which then is of a plain class.
 _alive = []
 
 
@@ -25,7 +25,8 @@ class Loader(QtUiTools.QUiLoader):
 
 @cache
 def parsed(path):
-    """A .ui file, and what Qt's loader gets of it: all but the connections. Every test has a panel of its own."""
+    """A .ui file as parsed, and without its connections for Qt's loader. It is kept, since every test has a panel of
+    its own."""
     root = ElementTree.parse(path).getroot()
     root.remove(connections := root.find("connections"))
     given = ElementTree.tostring(root)
@@ -34,7 +35,8 @@ def parsed(path):
 
 
 def loadUI(path):
-    """The panel's top widget. What Qt's loader does not know, properties and connections of skins, comes afterwards."""
+    """The panel's top widget. Properties and connections of skins, which Qt's loader does not know, are
+    set afterwards."""
     root, given = parsed(path)
     buffer = QtCore.QBuffer()
     buffer.setData(given)
@@ -51,7 +53,7 @@ def loadUI(path):
 
 
 class ChildWidgets:
-    """What `slicer.util.childWidgetVariables` returns: one attribute per named child."""
+    """The result of `slicer.util.childWidgetVariables`: one attribute per named child."""
 
     def __init__(self, widget):
         for found in widget.findChildren(QtWidgets.QWidget):
