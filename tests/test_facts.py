@@ -122,6 +122,35 @@ def test_of_several_stents_a_tile_has_the_worst(result, monkeypatch):
     assert tile([3.0, math.nan, 4.0], max) == "not known mm"
 
 
+def test_the_words_of_a_fact_are_its_numbers(result):
+    """As texts are read back, apart from the facts' own formatting."""
+    sections = plan_report(result).sections
+    every = [*sections["stents"], *sections["lesions"], *sections["branches"]]
+    told = [
+        (words, value)
+        for facts in every
+        for one in facts
+        for words, value in ((one.was, one.before), (one.words, one.after))
+        if one.unit == "mm" and words
+    ]
+    assert len(told) > 15
+    for words, value in told:
+        assert float(words.split()[0]) == pytest.approx(value, abs=0.051)
+        assert words.endswith(" mm")
+
+
+def test_a_table_has_the_numbers_of_the_document(result):
+    (row,), document = stent_rows(result.told), plan_report(result).as_dict()["stents"][0]
+    lumen, over = (document["diameters"][key] for key in ("minimum_lumen", "over_stented_length"))
+    for when in ("before", "after"):
+        assert row[f"lumen_{when}_mm"] == lumen[f"{when}_mm"]
+        assert row[f"mean_lumen_{when}_mm"] == over[when]["mean_mm"]
+    for end in ("start", "end"):
+        assert [row[f"{end}_{axis}_mm"] for axis in "xyz"] == document["axis"][f"{end}_mm"]
+    assert row["length_mm"] == document["nominal_length_mm"] == 20.0
+    assert (row["diameter_mm"], row["stent"], row["certified"]) == (6.5, 1, True)
+
+
 def test_views_of_facts():
     facts = Facts(
         (
