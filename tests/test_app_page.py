@@ -509,7 +509,7 @@ def test_numbers_follow_a_slider_while_it_is_dragged_and_expansion_goes_back(a_v
     assert any("(preview)" in text for text in a_visit.page.evaluate("window.texts"))
     after = float(a_visit.number("diameterSlider").input_value())
     assert after == pytest.approx(before + 0.5, abs=0.06)
-    a_visit.until("lumenLabel", f"{after:.1f} prescribed")
+    a_visit.until("lumenLabel", f"prescribed {after:g} mm")
     a_visit.until("lumenLabel", f"{after:.1f} mm")
     playwright.expect(a_visit.slider("expansionSlider")).to_have_value("100")
     a_visit.slider("expansionSlider").fill("0")
@@ -895,7 +895,7 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
     by_page = read_surface(tmp_path / "page.vtp", "cm").surface.points
     np.testing.assert_allclose(result.treatment.points, by_page, rtol=0, atol=1e-9)
     stent = plan.stents[0]
-    a_visit.until("lumenLabel", f"{stent.diameter:.1f} prescribed")
+    a_visit.until("lumenLabel", f"prescribed {round(stent.diameter, 2):g} mm")
     assert float(a_visit.number("diameterSlider").input_value()) == pytest.approx(stent.diameter)
 
 
