@@ -22,10 +22,10 @@ from ..stent import Stent
 from ..validation import Floats, Indices, Points, as_number, read_only
 from ..vessel import Lesion, lesions_within, tightest
 from .branches import covered_where_moved
-from .straightening import AxisChange, axis_in_vessel
+from .placer import Placer
+from .straightening import AxisChange
 from .surroundings import PROFILE_SPACING
-from .value import PlacedStent, TreatedStent, label_of, labeled, resolved, switched_on
-from .warnings import check_width
+from .value import PlacedStent, TreatedStent, labeled, switched_on
 
 NEAR = 6.0
 """Wall so far beyond a stent still follows it, mm; the usual influence distance is 6.5."""
@@ -177,16 +177,16 @@ class Preview:
         settings = settings or DeploymentSettings.preview()
         centerline, enabled = self.centerline, switched_on(stents)
         previewed: list[PreviewedStent] = []
+        change = AxisChange.of(fraction, settings)
+        placer = Placer(self.surface, stents, change, rows, self._proxy.probes)
         try:
-            for number, planned in enabled:
+            for number, _planned in enabled:
                 is_last = len(previewed) == len(enabled) - 1
                 tree = None if is_last else centerline
-                with labeled(label_of(stents, number, rows)):
-                    stent, lies_on = resolved(planned, {one.number: one for one in previewed})
-                    change = AxisChange.of(fraction, settings)
-                    axis = axis_in_vessel(stent, centerline, self._lumen, change, lies_on=lies_on)
-                    probes = self._proxy.probes(axis.points)
-                    check_width(stent.widest_diameter, axis, self.surface, probes)
+                earlier = {one.number: one for one in previewed}
+                placed = placer.placed(number, earlier, centerline, self._lumen)
+                stent, axis = placed.stent, placed.axis
+                with labeled(placer.label(number)):
                     state = self._proxy.deployed(
                         settings.chain(axis.line, axis.profile),
                         stent.widest_diameter / 2,
@@ -194,7 +194,7 @@ class Preview:
                         points=self._points if previewed else None,
                         companions=() if tree is None else tree.points,
                     )
-                previewed.append(PreviewedStent(number, stent, axis, state))
+                previewed.append(PreviewedStent(number, stent, axis, state, row=placed.row))
                 if len(enabled) > 1:
                     self._points[state.state.indices] = state.state.coordinates
                 centerline = tree and tree.with_points(state.state.companions)

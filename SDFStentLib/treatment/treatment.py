@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, zip_longest
@@ -28,8 +28,9 @@ from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
 from .branches import covered_by_all
 from .coarseness import coarse_mesh, too_coarse
+from .placer import Placer
 from .profile import Stage, named_states
-from .straightening import AxisChange, axis_in_vessel
+from .straightening import AxisChange
 from .surroundings import (
     PROFILE_SPACING,
     Survey,
@@ -43,14 +44,10 @@ from .value import (
     TreatedStent,
     TreatmentResult,
     TreatmentState,
-    label_of,
-    labeled,
     latest_of,
-    resolved,
     switched_on,
 )
 from .warnings import (
-    check_width,
     hangs_free,
     narrowed,
     narrowed_neighbors,
@@ -125,8 +122,8 @@ class Treatment:
         # Fails here rather than after the first stent. Later stents lie elsewhere once the earlier
         # ones have moved the centerline.
         placed: dict[int, PlacedStent] = {}
-        for number, stent in self._enabled:
-            placed[number] = self._placed(number, stent, self.centerline, self.surface, placed)
+        for number, _stent in self._enabled:
+            placed[number] = self._placer.placed(number, placed, self.centerline, self.surface)
         self._first = placed[self._enabled[0][0]]
 
     def _begin(self) -> None:
@@ -139,10 +136,10 @@ class Treatment:
         self._begin()
         surface, centerline, companions = self.surface, self.centerline, self.companions
         placed = {self._first.number: self._first}
-        for done, (number, planned) in enumerate(self._enabled):
+        for done, (number, _planned) in enumerate(self._enabled):
             start = perf_counter()
             if done:
-                placed[number] = self._placed(number, planned, centerline, surface, placed)
+                placed[number] = self._placer.placed(number, placed, centerline, surface)
             stent, axis = placed[number].stent, placed[number].axis
             is_only = len(self._enabled) == 1
             tree = np.empty((0, 3)) if centerline is None else centerline.points
@@ -179,22 +176,12 @@ class Treatment:
 
     def label(self, number: int) -> str:
         """How a message names a stent; empty when there is only one, without a name."""
-        return label_of(self.stents, number, self.rows)
+        return self._placer.label(number)
 
-    def _placed(
-        self,
-        number: int,
-        planned: Stent,
-        centerline: Centerline | None,
-        surface: Surface,
-        placed: Mapping[int, PlacedStent],
-    ) -> PlacedStent:
+    @property
+    def _placer(self) -> Placer:
         change = AxisChange.of(self.straightening_fraction, self.settings)
-        with labeled(self.label(number)):
-            stent, lies_on = resolved(planned, placed)
-            axis = axis_in_vessel(stent, centerline, surface, change, lies_on=lies_on)
-            check_width(stent.widest_diameter, axis, self.surface)
-            return PlacedStent(number, stent, axis, row=self.rows[number - 1])
+        return Placer(self.surface, self.stents, change, self.rows)
 
     def _measured(self) -> TreatmentResult:
         after, centerline, companions = self._final
