@@ -6,12 +6,12 @@ import sys
 from .cli import INTERRUPTED, end_at_once
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-"""Libraries of linear algebra read how many threads they start. Products here are thin: more
-threads than one double the processor's work, and gain nothing."""
+"""Variables by which libraries of linear algebra limit their threads. Products here are thin: more
+than one thread doubles the processor's work, and gains nothing."""
 
 
 def main() -> int:
-    """The command line, which ends in a sentence also when its imports are interrupted."""
+    """Run the command line; it ends with a sentence even if its imports are interrupted."""
     end_at_once()
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")

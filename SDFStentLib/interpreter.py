@@ -1,4 +1,4 @@
-"""The Python with which processes of our own are started."""
+"""The Python with which this program starts processes of its own."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from pathlib import Path
 from .validation import DeploymentError
 
 IN_SLICER = "PythonSlicer"
-"""The program on 3D Slicer's path that is its Python, with all that was installed there."""
+"""The program on 3D Slicer's path that is its Python, with all packages installed there."""
 
 
 def interpreter() -> str:
-    """This Python; in an application that embeds it, the one that 3D Slicer brings along.
+    """The path of this Python; in an application that embeds Python, of the one that 3D Slicer has.
 
-    Raises `DeploymentError` where there is none: the application itself is no Python to start.
+    Raises `DeploymentError` if there is none: the application itself cannot run as Python.
     """
     is_embedded = "PythonQt" in sys.modules or "python" not in Path(sys.executable).stem.lower()
     found = shutil.which(IN_SLICER) if is_embedded else sys.executable

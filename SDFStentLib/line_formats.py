@@ -1,4 +1,5 @@
-"""Formats in which centerlines and axes are read and written: the one list, for shell and page."""
+"""Formats in which centerlines and axes are read and written: the only list, for command line and
+page."""
 
 from __future__ import annotations
 
@@ -9,11 +10,11 @@ class LineFormat(NamedTuple):
     """One format of lines."""
 
     suffix: str
-    """In lower case, with its dot."""
+    """The suffix in lower case, with its dot."""
     is_written: bool
-    """Also written, not only read."""
+    """Whether it is also written, not only read."""
     is_polydata: bool = False
-    """Whether it keeps lines with arrays, rather than only points."""
+    """Whether it keeps lines with arrays, not only points."""
 
 
 LINE_FORMATS = (

@@ -1,4 +1,5 @@
-"""A parameter of the method or of a stent: what it does and may be, said once for all who ask."""
+"""A parameter of the method or of a stent: its effect and its range, defined once
+for all readers."""
 
 from __future__ import annotations
 
@@ -11,31 +12,31 @@ from .validation import InputError, as_number
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a number, a name or a switch does and may be. Immutable.
+    """The effect and the possible values of a number, a name or a switch. Immutable.
 
-    Settings check themselves by it; options, plans and their schema, reports and the panel read it.
+    Settings are checked by it; options, plans and their schema, reports and the panel read it.
 
     Attributes
     ----------
     does : str
-        A sentence without its first capital and its end.
+        The effect as a sentence, without its first capital and its full stop.
     unit : str
-        Of a number; empty without one.
+        The unit of a number; empty if it has none.
     least, most : float, optional
-        Of a number; None for what is none.
+        The range of a number; None if the parameter is not a number.
     above : float, optional
-        In place of the least, which does not belong to the range itself.
+        A lower bound in place of `least`; the bound itself does not belong to the range.
     may_be_zero : bool
-        Zero belongs to the range, too, and stands for "not at all".
+        Whether zero belongs to the range, too, and stands for "not at all".
     is_optional : bool
-        None stands for "by the rule".
+        Whether None is allowed, and stands for "by the rule".
     names : tuple of str
-        The names that a choice knows.
+        The possible values of a choice.
     option : str
-        Of the command line, without its dashes; empty where there is none. It turns a switch to
-        what is not its default.
+        The option of the command line, without its dashes; empty if there is none. It turns a
+        switch away from its default.
     called : str
-        What a complaint calls it; its name where left out.
+        The name in error messages; by default the name of the field.
     """
 
     does: str
@@ -61,7 +62,8 @@ class Parameter:
         return 0.0 if self.may_be_zero else self.least
 
     def number(self, value: Any, name: str) -> float | None:
-        """A value as a float of the range; `InputError`, with the name, for anything else."""
+        """The value as a float within the range; raises `InputError`, with the name, for anything
+        else."""
         if value is None and self.is_optional:
             return None
         if not self.may_be_zero:
@@ -82,19 +84,19 @@ class Parameter:
         return number
 
     def choice(self, value: Any, name: str) -> str:
-        """A value that is one of the names; `InputError` for anything else."""
+        """The value, if it is one of the names; raises `InputError` for anything else."""
         if value not in self.names:
             raise InputError(f"{name}: expected one of {', '.join(self.names)}, got {value!r}.")
         return str(value)
 
     @property
     def sentence(self) -> str:
-        """What it does, for a document that describes it."""
+        """The effect as a sentence, for a document that describes the parameter."""
         unit = f" ({self.unit})" if self.unit else ""
         return f"{self.does[0].upper()}{self.does[1:]}{unit}."
 
     def schema(self) -> dict[str, Any]:
-        """The values that it takes in a JSON schema (draft 7), None left aside."""
+        """The JSON schema (draft 7) of the possible values, except None."""
         if self.names:
             return {"enum": list(self.names)}
         if not self.is_number:
@@ -108,9 +110,9 @@ class Parameter:
 
 
 def parameter(does: str, default: Any = MISSING, **more: Any) -> Any:
-    """A dataclass's field that is a parameter, optional with None for a default.
+    """A field of a dataclass that is a parameter; it is optional if None is its default.
 
-    Other arguments as of `Parameter`.
+    Other arguments are those of `Parameter`.
     """
     one = Parameter(does, is_optional=default is None, **more)
     return field(default=default, metadata={"parameter": one})
@@ -123,7 +125,8 @@ def parameters_of(kind: Any) -> dict[str, Parameter]:
 
 
 def check_parameters(values: Any, label: str = "") -> None:
-    """Refuse numbers out of their range in a dataclass, those in tuples, too; `InputError`."""
+    """Refuse numbers of a dataclass, also in tuples, that are out of their range; raises
+    `InputError`."""
     for name, one in parameters_of(values).items():
         if one.is_number:
             for value in _flat(getattr(values, name)):

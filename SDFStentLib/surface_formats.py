@@ -1,4 +1,5 @@
-"""Formats in which surfaces are read and written: the one list, for shell, page and panel."""
+"""Formats in which surfaces are read and written: the only list, for command line,
+page and panel."""
 
 from __future__ import annotations
 
@@ -9,13 +10,13 @@ class SurfaceFormat(NamedTuple):
     """One format of surfaces."""
 
     suffix: str
-    """In lower case, with its dot."""
+    """The suffix in lower case, with its dot."""
     words: str
-    """What it is called."""
+    """The name of the format."""
     is_written: bool
-    """Also written, not only read."""
+    """Whether it is also written, not only read."""
     is_whole: bool = True
-    """Whether one file holds all of it."""
+    """Whether one file holds the whole surface."""
 
 
 SURFACE_FORMATS = (
@@ -34,7 +35,7 @@ SURFACE_FORMATS = (
 READ_SUFFIXES = tuple(one.suffix for one in SURFACE_FORMATS)
 WRITTEN_SUFFIXES = tuple(one.suffix for one in SURFACE_FORMATS if one.is_written)
 WHOLE_SUFFIXES = tuple(one.suffix for one in SURFACE_FORMATS if one.is_whole)
-"""Of formats whose surfaces are one file, to be sent or packed alone."""
+"""Suffixes of formats whose surfaces are one file, which can be sent or packed alone."""
 
 
 def _in_words() -> str:

@@ -1,4 +1,4 @@
-"""Units of length and patient frames, and the way from one to the other."""
+"""Units of length and patient frames, and conversions between them."""
 
 from __future__ import annotations
 
@@ -7,26 +7,29 @@ from typing import Literal
 from .validation import InputError, Place, Points, coordinates
 
 Frame = Literal["RAS", "LPS"]
-"""Patient frames: RAS (x to the right) as Slicer has it in memory, LPS as it writes files."""
+"""Patient frames: RAS (x to the right), which Slicer uses in memory, and LPS, in which it writes
+files."""
 
 MILLIMETERS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
-"""Millimetres in the units that a file may use."""
+"""Number of millimeters in each unit that a file may use."""
 
 MOST_FLOW = 10_000.0
-"""mL/s, 600 L/min: more than ten times what a heart gives at its peak."""
+"""Largest flow that is accepted, mL/s; 600 L/min is more than ten times the peak
+flow of a heart."""
 
 
 def millimeters_per(units: str) -> float:
-    """Millimetres in one of the file's units, `"mm"`, `"cm"` or `"m"`; `InputError` for others."""
+    """Number of millimeters in one unit of the file, `"mm"`, `"cm"` or `"m"`; raises `InputError`
+    for others."""
     if not isinstance(units, str) or units not in MILLIMETERS:
         raise InputError(f"units: expected one of {', '.join(MILLIMETERS)}, got {units!r}.")
     return MILLIMETERS[units]
 
 
 def as_frame(tag: str) -> Frame | None:
-    """The frame that a tag names, in any case and also as Slicer's old numbers; `None` if unknown.
+    """The frame named by a tag, in any case or as one of Slicer's old numbers; `None` if unknown.
 
-    Older markups files say `0` for RAS and `1` for LPS.
+    Older markups files have `0` for RAS and `1` for LPS.
     """
     tag = tag.strip().upper()
     if tag in ("RAS", "0"):
@@ -37,7 +40,7 @@ def as_frame(tag: str) -> Frame | None:
 
 
 def are_apart(one: Frame | None, other: Frame | None) -> bool:
-    """Whether two frames are both known, and not the same."""
+    """Whether two frames are both known and differ."""
     return None not in (one, other) and one != other
 
 
@@ -47,12 +50,14 @@ def flipped(points: Points) -> Points:
 
 
 def told_place(place: Place, units: str) -> str:
-    """A place to a tenth of a millimeter, and in the unit of the file where that is another."""
+    """A place to a tenth of a millimeter, followed by the same in the file's unit if that is
+    another one."""
     return f"{coordinates(place, '.1f')} mm{in_file(place, units)}"
 
 
 def in_file(place: Place | None, units: str) -> str:
-    """A place in mm in the unit of the file, to stand behind that in mm; empty where that is it."""
+    """The text with a place in the file's unit, to follow the place in mm; empty if the file is in
+    mm."""
     if place is None or units == "mm":
         return ""
     numbers = coordinates([value / MILLIMETERS[units] for value in place])

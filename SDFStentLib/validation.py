@@ -1,4 +1,4 @@
-"""Checks at the door: convert, check, and say in one sentence what is wrong."""
+"""Checks of input: convert a value, check it, and name the fault in one sentence."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# Of ASCII and Latin-1, separators of lines, what changes the direction of writing, and halves of
-# characters, as in the name of a file that is no valid text.
+# Control characters of ASCII and Latin-1, separators of lines, characters that change the direction
+# of writing, and halves of characters, as in the name of a file that is no valid text.
 _CONTROL = re.compile(
     r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
 )
@@ -30,7 +30,7 @@ Place = tuple[float, float, float]
 """A point as plain numbers, mm."""
 
 Floats = NDArray[np.float64]
-"""Array of numbers, of the shape that its use says."""
+"""Array of numbers, whose shape depends on its use."""
 
 Indices = NDArray[np.int64]
 """Array of indices."""
@@ -40,24 +40,26 @@ Flags = NDArray[np.bool_]
 
 
 LARGEST_COORDINATE = 1e6
-"""Of any point, mm: a kilometer, far beyond every scanner."""
+"""Largest coordinate of any point, mm: a kilometer is far beyond every scanner."""
 
 
 class InputError(ValueError):
-    """Input that cannot be used; the message says what was expected, what came, what to do.
+    """Raised for input that cannot be used; the message has the expected and the given value, and
+    a remedy.
 
     Parameters
     ----------
     message : str
         The sentence, or its part before the remedy.
     remedy : str
-        Name of what the reader can set, such as an option of the command.
+        Name of the remedy, such as an option of the command.
     otherwise : str
-        What stands there for a reader who has no words for that remedy.
+        The words in its place for a reader who has none for this remedy.
     end : str
         The rest of the sentence.
     place : (x, y, z), optional
-        That with which the message ends, mm: who knows the unit of the file tells it in that, too.
+        The place with which the message ends, mm; a reader who knows the file's unit adds it in
+        that.
     """
 
     def __init__(
@@ -74,18 +76,18 @@ class InputError(ValueError):
         self.place = place
 
     def sentence(self, remedies: Mapping[str, str], filed: str = "") -> str:
-        """The message with the reader's words for its remedy, and for its place in the file."""
+        """The message with the reader's words for the remedy, and for the place in the file."""
         message, remedy, otherwise, end = self._parts
         return message + filed + remedies.get(remedy, otherwise) + end
 
     def labeled(self, label: str) -> InputError:
-        """The same with a label in front: a file, a stent, a place in a document."""
+        """The same error with a label in front: a file, a stent, a place in a document."""
         message, remedy, otherwise, end = self._parts
         return InputError(label + message, remedy, otherwise=otherwise, end=end, place=self.place)
 
 
 class DeploymentError(RuntimeError):
-    """A deployment that cannot proceed although its input is well formed."""
+    """Raised if a deployment cannot proceed although its input is well formed."""
 
 
 def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> Points:
@@ -96,9 +98,9 @@ def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> P
     values : array_like, shape (n, 3)
         Coordinates, mm.
     name : str
-        What to call them in the error message.
+        Name of the points in error messages.
     minimum : int
-        Fewest points that are accepted.
+        Smallest number of points that is accepted.
 
     Raises
     ------
@@ -131,7 +133,7 @@ def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> P
 
 
 def as_patient_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> Points:
-    """Coordinates as `as_points` has them, none beyond a kilometer; `InputError` otherwise."""
+    """Coordinates as from `as_points`, up to a kilometer; raises `InputError` otherwise."""
     points = as_points(values, name, minimum=minimum)
     largest = np.abs(points).max(initial=0.0)
     if largest > LARGEST_COORDINATE:
@@ -143,7 +145,7 @@ def as_patient_points(values: ArrayLike, name: str = "points", *, minimum: int =
 
 
 def as_point(values: ArrayLike, name: str = "point") -> NDArray[np.float64]:
-    """One finite point as a float64 array of shape (3,); `InputError` otherwise."""
+    """One finite point as a float64 array of shape (3,); raises `InputError` otherwise."""
     return as_points(np.reshape(np.asarray(values, dtype=object), (1, -1)), name, minimum=1)[0]
 
 
@@ -156,7 +158,7 @@ def as_place(point: ArrayLike) -> Place:
 def plain(value: float, spec: str) -> str:
     """A number by a format, without an exponent, and zero without a sign.
 
-    What rounding leaves of a zero is one: below a millionth it is told as 0.
+    Values below a millionth, such as the rounding errors of a zero, are written as 0.
     """
     text = format(value, spec)
     if "e" in text:
@@ -168,17 +170,17 @@ class PlainNumbers(Formatter):
     """Fills templates with `plain` numbers."""
 
     def format_field(self, value: Any, spec: str) -> str:
-        """A field of a template."""
+        """The text of a field of a template."""
         return plain(value, spec) if isinstance(value, float) else format(value, spec)
 
 
 def coordinates(point: ArrayLike, spec: str = ".4g") -> str:
-    """A point (3,) as sentences tell it, without a unit."""
+    """A point (3,) as text for sentences, without a unit."""
     return "(" + ", ".join(plain(value, spec) for value in as_place(point)) + ")"
 
 
 def place_words(point: ArrayLike) -> str:
-    """A point (3,) in mm, as sentences tell it."""
+    """A point (3,) in mm as text for sentences."""
     return f"{coordinates(point)} mm"
 
 
@@ -241,26 +243,26 @@ def as_number(
 
 
 def as_path(value: Any) -> Path:
-    """A path from text or a path; `InputError` for anything else."""
+    """A path from a text or a path; raises `InputError` for anything else."""
     if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
         raise InputError(f"path: expected the path of a file, got {in_short(value)}; name one.")
     return Path(value)
 
 
 def check_is_a(value: Any, kind: type, name: str) -> None:
-    """`InputError` unless a value is of the kind that a function takes."""
+    """Raise `InputError` unless a value is of the kind that a function takes."""
     if not isinstance(value, kind):
         raise InputError(f"{name}: expected a {kind.__name__}, got {in_short(value)}; pass one.")
 
 
 def as_length(value: Any, name: str, shortest: float, longest: float) -> float:
-    """A length in mm that is greater than 0, and then also plausible; `InputError` otherwise."""
+    """A length in mm that is greater than 0 and plausible; raises `InputError` otherwise."""
     length = as_number(value, name, unit="mm", above=0)
     return as_number(length, name, unit="mm", minimum=shortest, maximum=longest)
 
 
 def in_short(value: Any) -> str:
-    """A value as Python writes it, for a message; only the beginning when that is long."""
+    """A value as Python writes it, for a message; only the beginning of a long one."""
     try:
         text = str(value) if isinstance(value, Decimal) else repr(value)
     except ValueError:  # Python does not write integers of more than some thousand digits
@@ -269,16 +271,16 @@ def in_short(value: Any) -> str:
 
 
 def printable(text: str) -> str:
-    """A text whose control characters are written as escapes; line ends and tabs stay.
+    """A text with control characters written as escapes, except line ends and tabs.
 
-    Names come from files: in a terminal or on a page they could move the cursor, clear the screen
-    or turn the direction of writing around.
+    Names come from files: in a terminal or on a page, control characters in them could move the
+    cursor, clear the screen or reverse the direction of writing.
     """
     return _CONTROL.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 def one_line(text: str) -> str:
-    """A text as `printable`, its line ends and tabs as escapes as well."""
+    """A text as `printable`, with line ends and tabs as escapes, too."""
     return printable(text).replace("\n", r"\n").replace("\t", r"\t")
 
 
