@@ -70,10 +70,12 @@ class Fact(NamedTuple):
 
     @property
     def tiled(self) -> tuple[str, str, str]:
-        """Name, value, and what stands beneath it."""
-        *before, value = (f"{one} {self.unit}" for one in self._rounded)
-        beneath = f"{''.join(f'before {one}' for one in before)}{self.note}".removeprefix(", ")
-        return self.tile or self.label, value, beneath
+        """Name, value, and what stands beneath it, where a unit that ends the note stands once."""
+        *before, value = self._rounded
+        unit = "" if self.note.endswith(f" {self.unit}") else f" {self.unit}"
+        was = "".join(f"before {one}{unit}" for one in before)
+        beneath = f"{was}{self.note}".removeprefix(", ")
+        return self.tile or self.label, f"{value} {self.unit}", beneath
 
     @property
     def _rounded(self) -> list[str]:
