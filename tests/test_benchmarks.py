@@ -17,6 +17,9 @@ def _benchmarks_can_be_imported():
     sys.path.remove(str(PROJECT))
 
 
+ERRORS = ("place", "minimum", "percent", "reference", "extent")
+
+
 def benchmark(name):
     return importlib.import_module(f"benchmarks.{name}")
 
@@ -43,11 +46,29 @@ def assert_is_table(text):
 def test_in_a_tree_without_narrowings_none_is_invented():
     """Trees with some are judged in `test_tree_bench.py` and `test_phantoms.py`."""
     bench = benchmark("trees.bench")
-    found = bench.summary([bench.of_number(bench.SEED, 24, bench.DATA_FOLDER)])
-    assert_is_table(bench.table(found))
+    found = bench.summary([bench.of_number(1, 24, bench.DATA_FOLDER)])
+    assert_is_table(bench.table({"seed": 1, "makings": {"made": found}}))
     whole = found["rows"][-1]
     assert (whole["trees"], whole["narrowings"]) == (1, 0)
     assert (whole["invented"], whole["failed"]) == (0, 0), found["wrong"]
+
+
+def test_the_worst_making_is_the_figure_of_narrowed_trees():
+    bench = benchmark("trees.bench")
+    right = {"shape": "focal", "words": "as it is"} | dict.fromkeys(ERRORS)
+    case = {
+        "case": "0", "facts": {"tree": "random", "outlets": 1}, "failure": "", "seconds": 1.0,
+        "invented": [], "outlets": 1,
+    }  # fmt: skip
+    wrong = right | {"words": "missed"}
+    found = {
+        "made": bench.summary([case | {"verdicts": [right, right]}]),
+        "hourglass": bench.summary([case | {"verdicts": [right, wrong]}]),
+    }
+    text = bench.table({"seed": 7, "makings": found})
+    assert_is_table(text)
+    assert text.splitlines()[0] == "made, seed 7"
+    assert text.splitlines()[-1] == "Worst making: hourglass, 50.0 % as they are."
 
 
 def test_the_lumen_has_the_prescribed_diameter_and_the_published_one_has_not():

@@ -12,12 +12,13 @@ sys.path.insert(0, str(PROJECT))
 
 from benchmarks.trees import treated
 from benchmarks.trees.case import TreeCase, save
-from benchmarks.trees.judge import Reported, judged
+from benchmarks.trees.hourglass import narrowed as hourglass_narrowed
+from benchmarks.trees.judge import Reported, _off, judged
 from benchmarks.trees.layout import VesselTree
-from benchmarks.trees.narrowing import MadeNarrowing, narrowed, narrowings
+from benchmarks.trees.narrowing import HOURGLASS, MadeNarrowing, narrowed, narrowings
 from benchmarks.trees.surface import Wall, rims_of, wall_of
 from benchmarks.trees.synthetic import random_tree
-from benchmarks.trees.truth import Spheres, truths
+from benchmarks.trees.truth import Spheres, Truth, truths
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
 from SDFStentLib.plan import read_input_files
@@ -175,6 +176,32 @@ def test_surfaces_are_two_manifold_and_their_ends_are_what_they_should_be(ends):
 
 def told(place, minimum, percent, reference=6.0, length=8.0):
     return Reported(np.asarray(place), minimum, percent, reference, length, "")
+
+
+@pytest.mark.parametrize(
+    ("percent", "error"), [(40.5, 0.0), (50.0, 0.0), (59.5, 0.0), (38.0, -12.0), (63.0, 13.0)]
+)
+def test_a_degree_between_those_against_both_sides_is_right(percent, error):
+    """Where a vessel tapers no one place beside it is the reference."""
+    truth = Truth(
+        "", [], 6.0, 12.0, 50.0, 15.0, 10.0, 0, 0, 0, [], [0.0], [], []
+    )  # against 15 mm 60 %, against 10 mm 40 %
+    assert _off(percent, truth) == error
+
+
+def test_an_hourglass_narrows_all_that_lies_in_its_vessel_and_nothing_else():
+    """Its fork is narrowed for both branches, a branch beyond the lumen for none."""
+    line = np.column_stack([np.zeros(61), np.zeros(61), np.arange(61.0)])
+    beside = np.column_stack([np.arange(1.0, 21.0), np.zeros(20), np.full(20, 30.0)])
+    parent = np.r_[-1, np.arange(60), 30, 61 + np.arange(19)]
+    radius = np.r_[np.full(61, 4.0), np.full(20, 3.0)]
+    tree = VesselTree(np.vstack([line, beside]), radius, parent)
+    factor = 1 - 0.5 * np.clip(1 - np.abs(line[:, 2] - 30) / 8, 0, 1)
+    one = MadeNarrowing(HOURGLASS, np.arange(61), (22.0, 38.0), (30.0,), factor)
+    after = hourglass_narrowed(tree, [one]).radius
+    np.testing.assert_allclose(after[:61], 4.0 * factor)
+    np.testing.assert_allclose(after[61:64], 1.5)
+    np.testing.assert_allclose(after[64:], 3.0)
 
 
 @pytest.fixture(scope="module")

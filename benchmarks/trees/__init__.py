@@ -1,5 +1,5 @@
 """Trees with narrowings of known place and depth: are they reported as they are?"""
 
-from .bench import measured, table
+from .bench import table
 
-__all__ = ["measured", "table"]
+__all__ = ["table"]

@@ -10,18 +10,20 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from ..common import Found, markdown
-from ..sweep import DATA_FOLDER
 from .case import NONE, load, made_case, read_wall, save
+from .hourglass import hourglass_case
 from .judge import asked, judged, outlets_told
-from .narrowing import SHAPES
+from .narrowing import HOURGLASS, SHAPES
 from .pressed import pressed_case
 
 TOTAL = "all"
 
-COUNT = 125
-"""Number of trees of a whole run: they have some 400 narrowings."""
+COUNT = 25
+"""Number of trees of every making in a whole run: they have some 80 narrowings each."""
 
-SEED = 1
+MAKINGS = {"made": made_case, "hourglass": hourglass_case, "pressed": pressed_case}
+"""Ways to make a case: a tree of even vessels; hourglasses anywhere in trees of patients' radii;
+narrowings pressed into the surfaces of patients."""
 
 
 def of_case(folder: Path, by_command: bool = False) -> Found:
@@ -44,15 +46,14 @@ def of_number(
     only: str | None = None,
     keep: Path | None = None,
     by_command: bool = False,
-    is_pressed: bool = False,
+    making: str = "made",
 ) -> Found:
     """The same for a case that is made now; kept in a folder of its own if `keep` says where.
 
-    The case is synthetic, or pressed into a patient's surface.
+    `making` is one of `MAKINGS`.
     """
     with TemporaryDirectory() as made:
-        make = pressed_case if is_pressed else made_case
-        case = make(seed, number, data, only)
+        case = MAKINGS[making](seed, number, data, only)
         folder = Path(made if keep is None else keep) / case.name
         save(case, folder)
         return of_case(folder, by_command)
@@ -79,7 +80,7 @@ def summary(cases: Sequence[Found]) -> Found:
     """Rows by shape and for all; `invented` counts by the shape `NONE` in trees without one."""
     rows = []
     verdicts = [one for case in cases for one in case["verdicts"]]
-    for shape in (*SHAPES, NONE, TOTAL):
+    for shape in (*SHAPES, HOURGLASS, NONE, TOTAL):
         mine = [one for one in verdicts if shape in (one["shape"], TOTAL)]
         about = [case for case in cases if _is_about(case, shape)]
         if not about:
@@ -109,6 +110,19 @@ def _is_about(case: Found, shape: str) -> bool:
 
 
 def table(found: Found) -> str:
+    """Tables of the makings, the worst of which is the figure."""
+    parts = [
+        f"{name}, seed {found['seed']}\n\n{_table(one)}" for name, one in found["makings"].items()
+    ]
+    shares = {
+        name: one["rows"][-1]["as_they_are"] / max(one["rows"][-1]["narrowings"], 1)
+        for name, one in found["makings"].items()
+    }
+    worst = min(shares, key=lambda name: shares[name])
+    return "\n\n".join([*parts, f"Worst making: {worst}, {100 * shares[worst]:.1f} % as they are."])
+
+
+def _table(found: Found) -> str:
     header = [
         "narrowing", "trees", "count", "as it is", "missed", "split", "invented", "errors",
         "place, mm", "minimum, %", "percent, points", "reference, %", "extent, mm", "time",
@@ -128,9 +142,3 @@ def table(found: Found) -> str:
             ]
         )  # fmt: skip
     return markdown(header, rows) + "\n\nErrors: median and 95th percentile of those found once."
-
-
-def measured(quick: bool, largest: int | None = None) -> Found:
-    """Results of the first trees, for the run of all benchmarks."""
-    count = 1 if quick else 20
-    return summary([of_number(SEED, n, DATA_FOLDER) for n in range(count)])

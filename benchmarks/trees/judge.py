@@ -167,6 +167,15 @@ def _belongs(truth: Truth, place: np.ndarray) -> bool:
     return bool((apart <= np.array(truth.diameter)[inner] / 4 + 0.25).any())
 
 
+def _off(percent: float, truth: Truth) -> float:
+    """By how many points a degree is off, or 0 between those against the two sides."""
+    sides = [side for side in (truth.proximal, truth.distal) if side is not None]
+    degrees = [truth.percent, *(100 * (1 - truth.minimum / side) for side in sides)]
+    if min(degrees) <= percent <= max(degrees):
+        return 0.0
+    return percent - truth.percent
+
+
 def _verdict(truth: Truth, mine: Sequence[Reported]) -> NarrowingVerdict:
     if not mine:
         return NarrowingVerdict(truth.shape, "missed")
@@ -180,7 +189,7 @@ def _verdict(truth: Truth, mine: Sequence[Reported]) -> NarrowingVerdict:
     places = np.vstack([np.array(truth.stations)[narrow], truth.place])
     place = float(np.linalg.norm(places - one.place, axis=1).min())
     minimum = 100 * (one.minimum / truth.minimum - 1)
-    percent = one.percent - truth.percent
+    percent = _off(one.percent, truth)
     wrong = [
         word
         for word, error, limit in (

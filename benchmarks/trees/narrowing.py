@@ -9,6 +9,9 @@ import numpy as np
 
 from .layout import VesselTree
 
+HOURGLASS = "hourglass"
+"""The shape of `hourglass.py`, anywhere in a tree."""
+
 SHAPES = ("focal", "long", "ostial", "tandem apart", "tandem merged", "across", "tapering")
 
 LEAST_RADIUS = 1.55
