@@ -259,8 +259,8 @@ placed, and the remedies, which are empty where who reads has none."""
 
 GRAVEST = (
     "unusual-size", "unusual-extent", "unit-in-file", "partly-outside", "jagged-line",
-    "changed-input", "outside-without-effect", "hangs-free", "without-effect", "too-coarse",
-    "facets-inside", "lesion-uncovered", "shortened", "narrower", "narrowed", "overdilated",
+    "changed-input", "outside-without-effect", "hangs-free", "overdilated", "without-effect",
+    "too-coarse", "facets-inside", "lesion-uncovered", "shortened", "narrower", "narrowed",
     "neighbor-narrowed", "tight-bend", "cap-bulged", "new-slivers",
 )  # fmt: skip
 """Kinds that come first where not all are told; others follow as they came."""

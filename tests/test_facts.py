@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from tube_files import write_tube
 
+from SDFStentLib.cautions import Caution
 from SDFStentLib.plan import Alternative, Plan, PlanComparison, PlanResult, run_plan
 from SDFStentLib.report import (
     Tile,
@@ -178,3 +179,17 @@ def test_views_of_facts():
     assert facts.at(LINES)[-1].words == "A sentence."
     assert str(width("", "Lumen", 3.0, math.nan)) == "Lumen: 3.00 mm -> not known"
     assert str(width("", "Lumen", math.nan, 3.0)) == "Lumen: not known -> 3.00 mm"
+
+
+def test_a_danger_to_the_vessel_is_told_before_what_the_mesh_lacks(result):
+    """Six times too wide is graver than 2.9 % too narrow; and "narrower" alone says nothing."""
+    (stent,), certificate = result.told.stents, result.treatment.certificate
+    narrower = Caution(
+        "narrower", {"percent": 2.9, "found_mm": 8.16, "prescribed_mm": 8.4}, (0.0, 0.0, 0.0)
+    )
+    wide = {"stent_diameter_mm": 8.4, "times": 6.0, "healthy_mm": 1.4, "where": "at its end"}
+    both = [narrower, Caution("overdilated", wide)]
+    lines = measured_lines(stent, [stent], result.lesions, certificate, both)
+    assert "warning: overdilated 6.0 x, 1 more" in lines
+    lines = measured_lines(stent, [stent], result.lesions, certificate, [narrower])
+    assert "warning: 3 % narrower than prescribed" in lines
