@@ -14,8 +14,9 @@ from ..validation import Flags, Floats, Indices
 from .runs import VesselRun
 
 KEPT = 0.7
-"""Diameters over which a width is kept that counts. A junction's bulge, and its funnel, are
-shorter."""
+"""Diameters over which a width is kept that counts: the bulge and the funnel of a junction are
+shorter. With half as much a quarter more is told in trees that nobody narrowed, with twice as much
+healthy vessel between two junctions is none."""
 
 ANEURYSM = 1.5
 """Times the diameter beside it from which a focal widening is an aneurysm

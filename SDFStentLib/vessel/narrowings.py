@@ -22,14 +22,17 @@ SMALLEST_DEGREE = 0.15
 segmentations."""
 
 SMALLEST_ONE_SIDED = 0.35
-"""The same at an ostium, or where a vessel divides: healthy branches begin narrower than they go
-on."""
+"""The same at an ostium, or where a vessel divides: of 252 side branches of a measured tree that
+nobody narrowed half begin 4 % narrower than they go on, one in ten 26 %, one in fifty 34 %, and one
+41 %."""
 
 SMALLEST_ONWARD = 0.25
-"""The same in the widest of the branches into which a vessel divides: it goes on in that."""
+"""The same in the widest of the branches into which a vessel divides, and those nearly as wide, for
+it goes on in them: 24 that nobody narrowed begin by 10 to 13 % narrower, one by 25 %."""
 
 SMALLEST_ALONE = 0.5
-"""The same of a vessel between two junctions, against what its branches ask for."""
+"""The same of a vessel between two junctions, against what its branches ask for: of 547 that nobody
+narrowed half are 4 to 13 % narrower, one in fifty 33 to 41 %, none 50 %."""
 
 REACH = 8.0
 """Diameters within which a vessel is wider again: so a bell four diameters across is told as it is.

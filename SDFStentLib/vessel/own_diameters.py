@@ -32,18 +32,18 @@ def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[Vessel
     tree = tree_lumen(surface, centerline)
     runs, wall = vessel_runs(tree.rough, limbs_of(centerline)), tree.spheres.surface
     stations = [tree.stations_of(run) for run in runs]
-    own = _own(wall, runs, [tree.spheres.rough.at(which) for which in stations])
+    own = own_runs(wall, runs, [tree.spheres.rough.at(which) for which in stations])
     asked = [number for number, run in enumerate(own) if narrowings(run, _ROUGHLY)]
     if asked:
         ends = np.cumsum([len(stations[number]) for number in asked])
         exact = tree.spheres.exact(np.concatenate([stations[number] for number in asked]))
         parts = [exact.at(part) for part in np.split(np.arange(ends[-1]), ends[:-1])]
-        for number, run in zip(asked, _own(wall, [runs[n] for n in asked], parts), strict=True):
+        for number, run in zip(asked, own_runs(wall, [runs[n] for n in asked], parts), strict=True):
             own[number] = run
     return own, asked
 
 
-def _own(
+def own_runs(
     wall: LocalSurface, runs: Sequence[VesselRun], spheres: Sequence[InscribedSpheres]
 ) -> list[VesselRun]:
     """Vessels with the spheres at their stations, but those that have left them.

@@ -71,7 +71,7 @@ class VesselRun(NamedTuple):
     outlets: int
     """To how many ends of the centerline it leads."""
     is_onward: bool = False
-    """Whether it is the widest of the vessels into which its parent divides."""
+    """Whether its parent divides into it and none that is much wider: the vessel goes on in it."""
 
     @property
     def points(self) -> Points:
