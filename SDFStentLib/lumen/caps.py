@@ -28,14 +28,14 @@ from ..validation import Flags, Floats, Place, Points, Triangles, as_place
 from .ends import Spot, are_ends, spot
 
 FLAT = np.cos(np.deg2rad(1.0))
-"""Faces whose normals differ by less lie in one plane."""
+"""Cosine of the angle between normals below which faces lie in one plane."""
 
 ONE_WAY = np.cos(np.deg2rad(5.0))
 """The mean of a flat spot's unit normals is at least so long. On a fine mesh the whole of a round
 wall hangs together by faces that differ by less than `FLAT`; its normals cancel."""
 
 RIM = np.cos(np.deg2rad(45.0))
-"""A cap meets the wall at a steeper angle than this; a flat spot of the wall does not."""
+"""Cosine of the angle at which a cap meets the wall at least; a flat spot of the wall does not."""
 
 ACROSS = np.cos(np.deg2rad(30.0))
 """Cosine between an axis and the normal of a cap that counts as across it."""
@@ -45,23 +45,23 @@ _IN_ONE_PLANE = 2
 """So many faces tell that something is flat: one always is."""
 
 NOTICEABLE = 0.05
-"""Motion out of the plane, mm, that is worth a word."""
+"""Motion out of the plane, mm, from which on a cap is reported."""
 
 
 _known: WeakKeyDictionary[Surface, list[FlatCap]] = WeakKeyDictionary()
-"""Every stent that is tried asks for those of its vessel."""
+"""The caps of each surface, kept since every stent that is tried asks for those of its vessel."""
 
 
 class BulgedCap(NamedTuple):
     """A flat cap that a deployment has pushed out of its plane."""
 
     center: Place
-    """mm."""
+    """Center of the cap, mm."""
     height: float
     """Largest motion out of the plane, mm."""
 
     def caution(self) -> Caution:
-        """For the user."""
+        """The caution for the user."""
         return Caution("cap-bulged", {"height_mm": self.height}, self.center)
 
 
@@ -69,7 +69,7 @@ class FlatCap(NamedTuple):
     """A flat spot with a steep rim."""
 
     faces: NDArray[np.int64]
-    """Ascending."""
+    """Indices of its faces, ascending."""
     normal: NDArray[np.float64]
     """(3,) unit vector."""
     low: NDArray[np.float64]
@@ -80,7 +80,7 @@ class FlatCap(NamedTuple):
 def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
     """Flat spots with a steep rim among some faces (m, 3), in the order of their first faces.
 
-    Some faces do not tell which of these are ends of the vessel; `caps_of` does.
+    Faces alone do not show which of these are ends of the vessel; `caps_of` finds that out.
     """
     return _flat_spots(points, faces, face_normals(points, faces), FEWEST_FACES)
 
@@ -170,7 +170,7 @@ def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool
 
 
 def wall_of(surface: Surface) -> Triangles:
-    """The triangles (k, 3) that belong to no flat cap."""
+    """The triangles (k, 3) that do not belong to a flat cap."""
     is_wall = np.ones(len(surface.triangles), dtype=bool)
     for cap in caps_of(surface):
         is_wall[cap.faces] = False
@@ -178,7 +178,8 @@ def wall_of(surface: Surface) -> Triangles:
 
 
 def off_caps(surface: Surface) -> Points:
-    """Points (n, 3) of the triangles that belong to no flat cap, mm; all where all do."""
+    """The points (n, 3), mm, of the triangles that do not belong to a flat cap; all points if there
+    is no such triangle."""
     used = np.unique(wall_of(surface))
     return surface.points[used] if len(used) else surface.points
 
@@ -214,7 +215,8 @@ def bulged_caps(before: Surface, after: Surface, moved: NDArray[np.int64]) -> tu
 
 
 def _bulged(before: Surface, after: Surface, cap: FlatCap, has_moved: Flags) -> BulgedCap | None:
-    """A cap as it is now, some points (n,) having moved; None where it is flat as before."""
+    """The present state of a cap after some points (n,) have moved; None if it is as flat as
+    before."""
     corners = np.unique(before.triangles[cap.faces])
     if not has_moved[corners].any():
         return None

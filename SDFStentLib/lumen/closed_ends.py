@@ -35,18 +35,18 @@ class SurfacePart(NamedTuple):
     """Some triangles of a surface."""
 
     points: Points
-    """Their corners, and others."""
+    """Corners of the triangles, and other points."""
     triangles: Triangles
-    """(k, 3) by the numbers of these points."""
+    """(k, 3) indices of these points."""
     numbers: Indices
-    """(k,) in the whole surface."""
+    """(k,) indices of the triangles in the whole surface."""
 
 
 def part_near(points: Points, triangles: Triangles, stations: Points, radius: float) -> SurfacePart:
-    """The part of a surface that may touch spheres near some stations of a lumen, so wide.
+    """The part of a surface that may touch spheres near some stations of a lumen of this radius.
 
-    Two points of no triangle, corners of the whole surface's box, keep it as large: a sphere that
-    leaves it is outside.
+    Two further points, the corners of the whole surface's box, keep the box as large: a sphere
+    that leaves it is outside.
     """
     low, high = stations.min(axis=0) - BESIDE * radius, stations.max(axis=0) + BESIDE * radius
     numbers = np.flatnonzero(may_meet_box(points, triangles, low, high))
@@ -66,7 +66,7 @@ def touches(
     known = np.flatnonzero(np.isfinite(spheres.radii))
     if len(known):
         centers, radii = spheres.at(known)
-        # Of a sphere of radius 0 rounding tells what it touches.
+        # For a sphere of radius 0 rounding decides what it touches.
         reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
         surface = LocalSurface(points, triangles, centers)
         query, triangle, _ = surface.near(centers, reach)
@@ -76,7 +76,7 @@ def touches(
         along = dot(offset, outward[known[query]])
         is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
         is_through = distance < (1 - TOUCH) * radii[query]
-        # Of a center in the surface itself, rounding tells the direction.
+        # For a center in the surface itself, rounding decides the direction.
         found[known[query[is_ahead | is_through | (distance < IN_SURFACE)]]] = True
     return found
 
@@ -97,22 +97,22 @@ CAPS_WITHIN = 2.0
 """Caps are looked for so near to the ends of an axis, in widths of the lumen from axis to wall."""
 
 _SOME = 1000
-"""Corners of the surface that tell the width."""
+"""Number of the surface's corners by which the width is estimated."""
 
 
 class OpenWall(NamedTuple):
     """A surface without some of its caps."""
 
     triangles: Triangles
-    """(k, 3) those that are left."""
+    """(k, 3) triangles that are left."""
     caps: Indices
-    """(m,) the numbers of the others in the surface."""
+    """(m,) indices of the other triangles in the surface."""
 
 
 def open_at_ends(surface: Surface, axis: Points) -> OpenWall:
     """A surface without the flat caps across the ends of an axis (n, 3).
 
-    So that no sphere climbs along a cap, in many small steps, to be measured without it after all.
+    Without them no sphere climbs along a cap, in many small steps, only to be measured without it.
     """
     points, triangles = surface.points, surface.triangles
     some = points[triangles[:: max(1, len(triangles) // _SOME), 0]]

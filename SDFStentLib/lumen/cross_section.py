@@ -10,7 +10,7 @@ from ..validation import Floats, InputError, Points, Triangles, as_points
 from .section_areas import section_areas
 
 _STATIONS = 64
-"""Stations cut together: keeps the part of the surface local."""
+"""Number of stations that are cut together; a small one keeps the part of the surface local."""
 
 
 def equivalent_diameters(

@@ -35,19 +35,19 @@ class Spot(NamedTuple):
     """A flat part of a surface, or a rim, that may be an end of the vessel."""
 
     center: Floats
-    """(3,) mm."""
+    """(3,) its center, mm."""
     across: Floats
     """(3,) unit vector across it, to any side."""
     narrow: float
-    """From the center to the nearest place of its border, mm,"""
+    """Distance from the center to the nearest place of its border, mm,"""
     wide: float
     """and to the farthest."""
     faces: Indices
-    """Triangles of the surface that lie in it."""
+    """Indices of the triangles of the surface that lie in it."""
 
 
 def spot(points: Points, rim: Indices, across: Floats, faces: Indices, center: Floats) -> Spot:
-    """The spot with this border, edges (k, 2) of a surface."""
+    """The spot with a given border, edges (k, 2) of a surface."""
     start, stop = points[rim[:, 0]], points[rim[:, 1]]
     places = closest_on_segments(start, stop, center[None])
     narrow = float(places.distances[0])
@@ -98,9 +98,9 @@ def _near(
 
 
 def _goes_on(corners: Floats, center: Floats, inward: Floats, reach: float) -> bool:
-    """Whether any straight way from the center of a spot into the lumen is so long.
+    """Whether some straight line from the center of a spot into the lumen is as long as `reach`.
 
-    Ways meet triangles (j, 3, 3) as in Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle
+    Lines meet triangles (j, 3, 3) as in Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle
     Intersection, J Graph Tools 2 (1997).
     """
     ways = _cone(inward)

@@ -24,32 +24,32 @@ from .wall_map import (
 )
 
 LEAVES = 1.15
-"""The wall leaves the vessel where it is farther away than so many expected radii."""
+"""Distance of the wall, in expected radii, above which it leaves the vessel."""
 
 LONGEST = 6.0
-"""An opening is shorter along the vessel than so many of its radii,"""
+"""Length along the vessel, in its radii, that an opening does not reach,"""
 
 WIDEST = 240.0
 """or it takes less of its circumference than this, degrees."""
 
 SPACING = 0.5
-"""Of the stations, mm; less in a narrow vessel."""
+"""Distance of the stations, mm; less in a narrow vessel."""
 
 _FINEST, _FINE, _COARSE = 0.1, 0.125, 0.25
 """Smallest spacing, mm; the largest, and that of the search for the middle, in radii."""
 
 _CENTERINGS = 3
-"""Steps to the middle; each leaves some tenth of the way."""
+"""Number of steps to the middle; each leaves about a tenth of the way."""
 
 FARTHEST = 4.0
 """Wall farther from the axis than so many times the largest distance to its nearest wall is that
 of other vessels."""
 
 _SOME = 20000
-"""Points of the surface among which the nearest are looked for."""
+"""Number of points of the surface among which the nearest are looked for."""
 
 _trees: WeakKeyDictionary[Surface, Any] = WeakKeyDictionary()
-"""Of these points: they are asked for at every stent, before and after."""
+"""Search trees of these points, kept since every stent asks for them, before and after."""
 
 _SDS = 4.0
 """Standard deviations at which smoothing ends."""
@@ -63,11 +63,11 @@ class Tube:
     """A vessel without its branches, and the wall as it is."""
 
     wall: WallMap
-    """Seen from the middle of the vessel, in planes across the axis."""
+    """The wall as seen from the middle of the vessel, in planes across the axis."""
     expected: Floats
     """(n, RAYS) distance of the expected wall from there, mm."""
     radius: float
-    """Of the vessel as a whole, mm."""
+    """Radius of the vessel as a whole, mm."""
     near: NearWall
     """The part of the surface that was looked at."""
 
@@ -76,7 +76,7 @@ class Tube:
 
     @property
     def is_open(self) -> NDArray[np.bool_]:
-        """(n, RAYS) where the wall leaves the vessel."""
+        """(n, RAYS) whether the wall leaves the vessel there."""
         return np.asarray(self.wall.distance > LEAVES * self.expected)
 
     @property
@@ -120,7 +120,8 @@ def expected_tube(surface: Surface, axis: Line) -> Tube:
 
 
 def far_reach(surface: Surface, stations: Points) -> float:
-    """How far from some points (n, 3) the wall of their vessel is looked for, mm."""
+    """The distance from some points (n, 3) within which the wall of their vessel is
+    looked for, mm."""
     if (tree := _trees.get(surface)) is None:
         some = surface.points[:: max(1, len(surface.points) // _SOME)]
         tree = _trees[surface] = search_tree(some)
@@ -134,7 +135,8 @@ def _interpolated(at: Floats, known: Floats, values: Points) -> Points:
 def expected_wall(wall: WallMap, radius: float, beyond: Floats | None = None) -> Floats:
     """Distance of the expected wall (n, RAYS) for a vessel of about that radius, mm.
 
-    Beyond its ends the vessel goes on as it is there, or with the rays `beyond` (2, RAYS).
+    Beyond its ends the vessel is taken to go on with the last section, or with the rays `beyond`
+    (2, RAYS).
     """
     along = int(LONGEST * radius / wall.spacing) | 1
     ends = wall.distance[[0, -1]] if beyond is None else beyond
@@ -145,7 +147,7 @@ def expected_wall(wall: WallMap, radius: float, beyond: Floats | None = None) ->
 
 
 def across_alone(distance: Floats) -> Floats:
-    """The expected wall (n, RAYS) that a section alone tells: without narrow openings."""
+    """The expected wall (n, RAYS) by each section alone, without narrow openings."""
     return _opened(distance, int(WIDEST / 360 * RAYS) | 1, axis=1)
 
 
@@ -157,10 +159,11 @@ def _opened(values: Floats, size: int, axis: int) -> Floats:
 
 
 def _lowest(values: Floats, size: int) -> Floats:
-    """The smallest (n, k) of an odd number of rows round each, the first after the last."""
+    """The smallest values (n, k) of an odd number of rows round each row; the first row follows the
+    last."""
     count, half = len(values), size // 2
     lowest, reach = values[np.arange(-half, count + half) % count], 1
-    # Ends: the reach doubles.
+    # Ends, since the reach doubles.
     while 2 * reach <= size:
         lowest = np.minimum(lowest[:-reach], lowest[reach:])
         reach *= 2

@@ -1,4 +1,4 @@
-"""The axis of a stent, led on through the vessel beyond both of its ends."""
+"""The axis of a stent, continued through the vessel beyond both of its ends."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..validation import Floats, InputError, Points, as_number
 from .spheres import SphereSearch, Until
 
 _STEP = 0.5
-"""Step, as a fraction of the radius."""
+"""Length of a step, as a fraction of the radius."""
 
 _WITHIN = 0.9
 """Share of a sphere's radius within which a way goes on: where it has come through an opening into
@@ -26,7 +26,7 @@ _NARROWEST = 0.05
 """Inscribed radius below which a lumen ends, mm."""
 
 _NOTHING = 1e-6
-"""Less than this, mm, is not gone on for: rounding could keep it from ever being done."""
+"""Length, mm, below which no further step is made: rounding could keep the loop from ending."""
 
 _CLOSELY = 1e-4
 """What the search for a sphere on the way promises to gain at least, mm. Where a lumen is flat the
@@ -54,13 +54,13 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
     room = np.maximum(_room(last - middles, heading, radii), _WITHIN * search.distances(last))
     goes_on = goes_on[room[goes_on] > _NARROWEST]
     traveled = np.zeros(len(axes))
-    # Ends: every step goes on by half the narrowest radius at least, the room, or what is left.
+    # Ends, since every step is at least half the narrowest radius, the room, or the rest.
     while len(goes_on):
         whole = _STEP * radii[goes_on]
         step = np.minimum(np.minimum(whole, room[goes_on]), reach - traveled[goes_on])
         ahead = last[goes_on] + step[:, None] * heading[goes_on]
         centers, wide = search.spheres(ahead, heading[goes_on], Until(_CLOSELY))
-        # A sphere that shrinks so fast stands before the end of the vessel.
+        # A sphere that shrinks this fast is near the end of the vessel.
         is_open = wide > radii[goes_on] - 0.5 * step
         goes_on, whole, wide = goes_on[is_open], whole[is_open], wide[is_open]
         # Half the way to the middle: the way bends no faster than the vessel.
@@ -85,14 +85,14 @@ def _room(offset: Points, heading: Points, radii: Floats) -> Floats:
 
 
 def heading_of(axis: Line, window: float) -> Floats:
-    """Unit direction in which a line ends, over its last `window` mm."""
+    """The unit direction in which a line ends, over its last `window` mm."""
     total = axis.length
     way = axis.points[-1] - axis.cut(max(0.0, total - window), total).points[0]
     return np.asarray(way / np.linalg.norm(way))
 
 
 REACH = 20.0
-"""How far beyond an end of the stent its surroundings are looked at, mm."""
+"""Distance beyond an end of the stent up to which its surroundings are looked at, mm."""
 
 _FADING = 10.0
 """Length over which the way changes from the stent's axis to the centerline, mm."""
@@ -109,16 +109,16 @@ class ExtendedAxis:
     before: float
     """Length proximal of the stent, mm."""
     stent_length: float
-    """mm."""
+    """Length of the stent, mm."""
 
     @property
     def points(self) -> Points:
-        """(n, 3) mm."""
+        """The points (n, 3) of the axis, mm."""
         return self.line.points
 
     @cached_property
     def of_stent(self) -> Line:
-        """The part along the stent."""
+        """The part of the axis along the stent."""
         return self.line.cut(self.before, self.before + self.stent_length)
 
     @property
@@ -134,10 +134,11 @@ def extended_axis(
     *,
     reach: float = REACH,
 ) -> ExtendedAxis:
-    """The axis led on along the centerline, without one through the middle of the lumen.
+    """The axis continued along the centerline; without a centerline, through the middle of the
+    lumen.
 
-    At a junction the way goes on to the root, or from there on in the straightest direction. It
-    ends where vessel or centerline end.
+    At a junction it goes on towards the root, or away from it in the straightest direction. It
+    ends where the vessel or the centerline ends.
 
     Parameters
     ----------
@@ -176,7 +177,7 @@ def extended_axis(
 
 
 def _along_tree(tree: Centerline, axis: Line, reach: float) -> Points:
-    """The tree's points from the end of the axis on, the first ones drawn to that end."""
+    """The tree's points from the end of the axis on; the first ones are drawn to that end."""
     end = axis.points[-1]
     place = tree.project(end)
     radius = place.inscribed_radius if place.inscribed_radius > 0 else 1.0
@@ -210,7 +211,7 @@ def _along_tree(tree: Centerline, axis: Line, reach: float) -> Points:
 def _straightest(
     tree: Centerline, node: int, onward: list[int], heading: Floats, distance: float
 ) -> int:
-    """Which of the ways onward from a junction leads straight on, looked at from so far away."""
+    """The way onward from a junction that leads straight on, as seen over this distance."""
     tips = [tree.points[_ahead(tree, node, n, distance)] - tree.points[node] for n in onward]
     return int(np.argmax([tip @ heading / np.linalg.norm(tip) for tip in tips]))
 

@@ -1,4 +1,4 @@
-"""The lumen of a surface, every station measured once for as long as the surface is in use."""
+"""The lumen of a surface, measured only once at every station while the surface is in use."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ class MovedWall(NamedTuple):
     """No place of them is farther from all corners, mm."""
 
     def within(self, points: Points, reach: float) -> MovedWall:
-        """What of it lies in the box that goes `reach` mm beyond some points (n, 3)."""
+        """The part of it in the box that reaches `reach` mm beyond some points (n, 3)."""
         low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
         columns = zip(self.places.T, low, high, strict=True)
         kept = np.logical_and.reduce([(x >= first) & (x <= last) for x, first, last in columns])
         return MovedWall(self.places.compress(kept, axis=0), self.apart)
 
     def comes_near(self, centers: Points, radii: Floats) -> Flags:
-        """Which balls (n,) it may reach; one whose radius is not known in any case."""
+        """Whether it may reach each ball (n,); true for a ball whose radius is not known."""
         is_near = np.isnan(radii)
         if len(self.places):
             tree = search_tree(self.places)
@@ -49,7 +49,7 @@ class MovedWall(NamedTuple):
         return is_near
 
     def crosses(self, points: Points, normals: Points) -> Flags:
-        """Which planes (n,) through some points with normals (n, 3) it may cut."""
+        """Whether it may cut each plane (n,) through some points with normals (n, 3)."""
         found = np.zeros(len(points), dtype=bool)
         block = max(1, _BLOCK // max(1, len(self.places)))
         for first in range(0, len(points) if len(self.places) else 0, block):
@@ -61,7 +61,8 @@ class MovedWall(NamedTuple):
 
 
 def moved_wall(before: Surface, after: Surface) -> MovedWall:
-    """What has moved between two states of a surface, which have the same triangles."""
+    """The triangles that have moved between two states of a surface, which have the
+    same triangles."""
     # By column: reductions over rows of three are slow.
     columns = zip(before.points.T, after.points.T, strict=True)
     is_moved = np.logical_or.reduce([one != other for one, other in columns])
@@ -83,19 +84,21 @@ _BESIDE = 1.02
 """Wall farther from a sphere's center than so many radii plays no part in its climb's end."""
 
 MOST = 20_000
-"""Stations that are kept of one surface, about 100 bytes each; then all are forgotten."""
+"""Number of stations kept for one surface, about 100 bytes each; above it all are forgotten."""
 
 _known: WeakKeyDictionary[Surface, dict[tuple[bytes, bytes], Floats]] = WeakKeyDictionary()
-"""By place and direction, and caps left out: center and radius of sphere, equivalent diameter."""
+"""Center and radius of the sphere, and equivalent diameter, by place and direction and caps left
+out."""
 
 
 def measured_once(
     surface: Surface, points: Points, directions: Points, wall: OpenWall | None = None
 ) -> Stations:
-    """`measured_at` of a vessel before treatment; what was measured there before is not again.
+    """The result of `measured_at` for a vessel before treatment; stations measured before are not
+    measured again.
 
-    A surface cannot change, and nothing about a stent but its axis matters: where another diameter
-    is tried, or another stent moved, all is known.
+    A surface cannot change, and only the axis of a stent matters: if another diameter is tried, or
+    another stent moved, all results are known.
     """
     known = _known.setdefault(surface, {})
     # Two stents may leave out different caps.
@@ -120,16 +123,17 @@ def measured_once(
 def measured_after(
     before: Stations, moved: MovedWall, surface: Surface, wall: Triangles | None = None
 ) -> Stations:
-    """`measured_at` of a vessel after treatment; what nothing has moved near is as it was.
+    """The result of `measured_at` for a vessel after treatment; stations that no moved wall is
+    near keep their results.
 
     Parameters
     ----------
     before : Stations
-        What was measured before it.
+        The results before it.
     moved : MovedWall
-        From then to now.
+        The wall moved between the two states.
     surface : Surface
-        After it.
+        The vessel after it.
     wall : (k, 3) array, optional
         Its triangles that spheres see.
     """

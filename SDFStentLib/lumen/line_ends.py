@@ -23,13 +23,13 @@ END_REACH = 1.1
 leans or is round."""
 
 TOLERANCE = 1e-4
-"""Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
+"""Tolerance of the search for the spheres, mm; far below what a tenth of a diameter needs."""
 
 _STATIONS = 24
-"""Along a line from its end on: some four to six diameters."""
+"""Number of stations along a line from its end on: some four to six diameters."""
 
 _AT_ONCE = 8
-"""Ends that are measured together, those first that may be the widest."""
+"""Number of ends that are measured together; those that may be the widest come first."""
 
 BESIDE_MIDDLE = 0.5
 """Radii from the middle of a vessel, and from its wall, at which a line that ends beside the middle
@@ -53,16 +53,17 @@ class EndStations(NamedTuple):
     along: Floats
     spheres: InscribedSpheres
     is_known: Flags
-    """The sphere is one of the lumen, and does not touch what closes the end."""
+    """Whether the sphere is one of the lumen, and does not touch what closes the end."""
 
     @property
     def width(self) -> float:
-        """The usual diameter, mm; NaN where none is known."""
+        """The usual diameter, mm; NaN if none is known."""
         known = 2 * self.spheres.radii[self.is_known]
         return float(np.quantile(known, USUAL)) if len(known) else float("nan")
 
     def apart_from(self, cap: SurfaceIndex | None) -> EndStations:
-        """The same, but what touches a cap is not known: a line may leave it at a slant."""
+        """The same stations, with spheres that touch a cap as not known: a line may leave the cap
+        at a slant."""
         centers, radii = self.spheres
         is_known = self.is_known.copy()
         is_known[is_known] = END_REACH * radii[is_known] <= _away(cap, centers[is_known])
@@ -70,7 +71,7 @@ class EndStations(NamedTuple):
 
 
 def _away(surface: SurfaceIndex | None, places: Points) -> Floats:
-    """How far places (n, 3) are from a surface, mm; nothing is infinitely far."""
+    """Distance of places (n, 3) from a surface, mm; infinite without a surface."""
     if surface is None:
         return np.full(len(places), np.inf)
     return surface.distances(places).distance
@@ -89,7 +90,7 @@ class LineEnds:
         self._corners = search_tree(surface.points)
 
     def widths(self, ways: Sequence[Points]) -> Floats:
-        """How wide the vessel is at some ends, mm: `Widths` for `Centerline.from_lines`.
+        """The widths of the vessel at some ends, mm: `Widths` for `Centerline.from_lines`.
 
         Those that cannot be the widest are not measured: corners of the wall are no nearer to a
         place than the wall is.
@@ -199,7 +200,7 @@ def with_ends_in_middle(
 
 
 def loops_told(tree: Centerline) -> tuple[Caution, ...]:
-    """That lines of a centerline meet again, by place."""
+    """The cautions that lines of a centerline meet again, with the places."""
     places = tree.points[tree.loops[:, 1]].tolist()
     return tuple(Caution("loop", dict(zip("xyz", place, strict=True))) for place in places)
 
@@ -208,16 +209,17 @@ class _Reached(NamedTuple):
     """Where a line that began beside the middle of its vessel reaches that."""
 
     along: float
-    """From its end, mm,"""
+    """Arc length from the end of the line, mm,"""
     middle: Points
-    """(3,) and there, mm."""
+    """(3,) place of the middle there, mm."""
     inward: Points
     """(3,) unit direction of the vessel from there on."""
     radius: float
 
 
 def _where_in_middle(stations: EndStations) -> _Reached | None:
-    """None where a line begins in the middle, or does not come there."""
+    """The place where a line reaches the middle; None if it begins in the middle, or does not reach
+    it."""
     centers, radii = stations.spheres
     known = np.flatnonzero(stations.is_known)
     if len(known) < 2:

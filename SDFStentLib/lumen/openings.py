@@ -1,4 +1,4 @@
-"""Where the wall of a vessel opens, and what each opening leads to."""
+"""The openings in the wall of a vessel, and the vessels to which they lead."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Opening(NamedTuple):
     """A part of a tube's wall at which the lumen goes on into another vessel."""
 
     region: Mask
-    """(n, RAYS) of the map of the wall."""
+    """(n, RAYS) its cells in the map of the wall."""
     outlets: Points
     """(k, 3) centers of the flat caps that it leads to,"""
     caps: tuple[Indices, ...]
@@ -47,7 +47,7 @@ class Opening(NamedTuple):
 
 
 def openings(surface: Surface, tube: Tube, ends: Points = NO_ENDS) -> list[Opening]:
-    """Where the wall of a tube opens into other vessels, in no order; see `find_ostia`.
+    """The openings of a tube's wall into other vessels, in no order; see `find_ostia`.
 
     Where all ends (k, 3) of the centerline lie in flat caps, so do those of every vessel.
     """
@@ -107,7 +107,7 @@ class _Parts(NamedTuple):
 
 
 def _parts_beyond(surface: Surface, tube: Tube) -> _Parts:
-    """What is left of the surface without the wall of the tube between its ends."""
+    """The parts of the surface that remain without the wall of the tube between its ends."""
     place = _seen_from(surface.points[tube.near.point_ids], tube)
     relative, is_past = np.full(len(surface.points), np.inf), np.zeros(len(surface.points), bool)
     relative[tube.near.point_ids], is_past[tube.near.point_ids] = place
@@ -155,7 +155,8 @@ class _Cap(NamedTuple):
 
 
 def _caps_beyond(surface: Surface, tube: Tube, part_of_triangle: Indices) -> list[_Cap]:
-    """A cap in the way of the tube closes the tube itself; an edge of it may lie beyond."""
+    """The flat ends beyond the tube's wall. A cap in the way of the tube closes the tube itself;
+    its edge may lie beyond."""
     beyond = (cap.faces[part_of_triangle[cap.faces] > 0] for cap in caps_of(surface))
     caps = [faces for faces in beyond if len(faces)]
     middles = [surface.points[surface.triangles[faces]].mean(axis=(0, 1)) for faces in caps]
@@ -197,7 +198,7 @@ def _shared(region: Mask, hit: Indices, parts: Indices) -> list[Mask]:
     cells, away = np.argwhere(region), []
     for part in parts:
         row, ray = np.nonzero(region & (hit == part))
-        # Three turns side by side: the map is periodic.
+        # Three turns are put side by side, since the map is periodic.
         turns = np.column_stack([np.tile(row, 3), np.r_[ray - RAYS, ray, ray + RAYS]])
         away.append(cKDTree(turns).query(cells)[0])
     nearest = np.full(region.shape, -1)

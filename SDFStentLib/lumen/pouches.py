@@ -1,4 +1,4 @@
-"""Pouches: what opens out of a vessel and ends closed before it is as long as a vessel."""
+"""Pouches: openings of a vessel that end closed before they are as long as a vessel."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..geometry import Surface, boundary_edges, dot, norm, search_tree, vertex_n
 from ..validation import Floats, Indices, Points
 
 AS_LONG = 2.0
-"""Times as long as it is wide from which on what leaves a vessel is a vessel, by definition."""
+"""Length over width from which on an outgrowth of a vessel is itself a vessel, by definition."""
 
 _SOME = 300
-"""Points of the wall from which the widest sphere in a pouch is looked for."""
+"""Number of points of the wall from which the widest sphere in a pouch is looked for."""
 
 
 def pouch_width(
@@ -23,7 +23,8 @@ def pouch_width(
     outward: Floats,
     tree: Centerline | None = None,
 ) -> float | None:
-    """Width of what an opening without an end of the model leads to, mm; None where it is a vessel.
+    """The width of the pouch to which an opening without an end of the model leads, mm; None if it
+    is a vessel.
 
     A pouch ends closed, no line leads into it, and it is less than `AS_LONG` times as long as it
     is wide: as long as its wall is away from the middle of its neck, at most, and as wide as its
@@ -111,7 +112,7 @@ def _grown(wall: Points, touching: Points, inward: Floats) -> tuple[Points, Floa
     """
     tree = search_tree(wall)
     radii = np.full(len(touching), norm(touching).max())
-    # Ends: every round meets a point nearer than the last, and there are only so many.
+    # Ends, since every round meets a nearer point, and there are finitely many.
     while True:
         centers = touching + radii[:, None] * inward
         arms = wall[tree.query(centers)[1]] - touching
@@ -124,7 +125,7 @@ def _grown(wall: Points, touching: Points, inward: Floats) -> tuple[Points, Floa
 
 
 def _solid_angle(corners: Floats) -> float:
-    """Of triangles (t, 3, 3) seen from the origin, by their winding.
+    """The solid angle of triangles (t, 3, 3) seen from the origin, signed by their winding.
 
     Van Oosterom and Strackee, IEEE Trans Biomed Eng 1983, doi:10.1109/TBME.1983.325207.
     """

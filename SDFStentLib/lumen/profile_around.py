@@ -13,7 +13,7 @@ from .metrics import DiameterProfile, profile_of
 from .stations import Stations
 
 SHORTEST = 1e-6
-"""Less vessel than this beyond an end is rounding, mm."""
+"""Shortest length of vessel beyond an end that is more than rounding, mm."""
 
 
 class AxisStations(NamedTuple):
@@ -22,13 +22,13 @@ class AxisStations(NamedTuple):
     Attributes
     ----------
     arc_length : (n,) array
-        From the proximal end of the stent, mm; negative proximal of it.
+        Positions from the proximal end of the stent, mm; negative proximal of it.
     points, directions : (n, 3) arrays
-        mm, and unit directions of the axis.
+        Points, mm, and unit directions of the axis.
     own : slice
-        Those along the stent.
+        The stations along the stent.
     parts : tuple of slice
-        Before, beyond and along the stent; the ends of the stent are in two.
+        The parts before, beyond and along the stent; the ends of the stent are in two.
     """
 
     arc_length: Floats
@@ -66,7 +66,7 @@ def _part(line: Line, spacing: float, start: float) -> tuple[Floats, ...]:
 def profile_around(
     surface: Surface, stations: AxisStations, measured: Stations, caps: Indices
 ) -> DiameterProfile:
-    """The profile of a stent and of its surroundings; that of the stent alone is a part of it.
+    """The profile of a stent and its surroundings; the profile of the stent alone is a part of it.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def profile_around(
     stations : AxisStations
         Along the extended axis of the stent.
     measured : Stations
-        What is known there.
+        The results there.
     caps : (m,) array of int
         Triangles that the spheres of `measured` did not see.
 

@@ -1,4 +1,4 @@
-"""Inscribed spheres before an end of the vessel that is closed, but by no flat cap.
+"""Inscribed spheres before an end of the vessel that is closed, but not by a flat cap.
 
 Rounded, leaning or bulged, such an end is no wall either. The sphere is measured against the wall
 beside and behind its station only.
@@ -31,7 +31,7 @@ BESIDE = 1.5
 """and nothing of it is farther from its axis there than so many."""
 
 LOOKED_AT = 3.0
-"""Surface within so many radii tells that."""
+"""Radii within which the surface is looked at for that."""
 
 
 _APART = 3.0
@@ -75,7 +75,8 @@ def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) 
 def _each_in_its_wall(
     points: Points, walls: Sequence[Triangles], stations: Points, directions: Points
 ) -> InscribedSpheres:
-    """The sphere of every station in a wall of its own, all searched together: side by side."""
+    """The sphere of every station, each in a wall of its own. All are searched together, with the
+    walls side by side."""
     apart = np.zeros((len(walls), 1, 3))
     apart[:, 0, 0] = _APART * np.ptp(points, axis=0).max() * np.arange(len(walls))
     copies = (points + apart).reshape(-1, 3)

@@ -18,14 +18,15 @@ _PAIRS = 1 << 21
 """Pairs of station and vertex or triangle that are looked at together, some bytes each."""
 
 _FEW = 16
-"""Stations whose part of the surface is looked at first."""
+"""Number of stations whose part of the surface is looked at first."""
 
 _MARGIN = 2.5
 """Half width of the box round the stations, in distances from them to the nearest vertex."""
 
 
 class SectionAreas(NamedTuple):
-    """Areas (n,), mm^2, infinite where no closed loop was found; where that is not certain (n,)."""
+    """Areas (n,), mm^2, infinite if no closed loop was found, and whether each of them is uncertain
+    (n,)."""
 
     area: Floats
     is_doubtful: Flags
@@ -37,11 +38,11 @@ class SectionLoops(NamedTuple):
     Attributes
     ----------
     station : (k,) array of int
-        To which section each crossing belongs, ascending.
+        The section to which each crossing belongs, ascending.
     ends : (k, 2) array of int
         The points that the crossed edge joins.
     fraction : (k,) array
-        Where on it the crossing is, from the first to the second.
+        Position of the crossing on the edge, from its first point to its second.
     following : (k,) array of int
         The next crossing on the loop.
     """
@@ -71,7 +72,7 @@ class _Cuts(NamedTuple):
     flat : (k, 2) array
         Coordinates of the nodes in the planes of their stations, from there, mm.
     station : (k,) array
-        Of the nodes, ascending.
+        Stations of the nodes, ascending.
     start, end : (s,) arrays
         Nodes of the pieces.
     ends : (k, 2) array
@@ -245,7 +246,8 @@ def _islands(
 
 
 def _holds(cuts: _Cuts, pieces: Indices, place: Floats) -> bool:
-    """Whether a loop of some pieces holds a place (2,) of its plane: a ray crosses it odd times."""
+    """Whether a loop of some pieces contains a place (2,) of its plane: a ray crosses it an odd
+    number of times."""
     (x, y), (next_x, next_y) = (
         cuts.flat.take(ends[pieces], axis=0).T - place[:, None] for ends in (cuts.start, cuts.end)
     )

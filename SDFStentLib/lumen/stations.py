@@ -1,4 +1,4 @@
-"""Stations along an axis, and how wide the lumen is there."""
+"""Stations along an axis, and the width of the lumen there."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .spheres import InscribedSpheres, inscribed_spheres
 
 
 class Stations(NamedTuple):
-    """Places along an axis in order, and what is known of the lumen there.
+    """Places along an axis in order, and the measured lumen there.
 
     Attributes
     ----------
     points, directions : (n, 3) arrays
-        On the axis, mm, and unit directions of the axis.
+        Points on the axis, mm, and unit directions of the axis.
     spheres : InscribedSpheres
-        NaN where none is known.
+        The spheres; NaN where none is known.
     equivalent : (n,) array
         Equivalent diameters of the sections across, mm; NaN where there is none.
     """
@@ -31,12 +31,12 @@ class Stations(NamedTuple):
     equivalent: Floats
 
     def at(self, which: Indices | slice) -> Stations:
-        """Some of them."""
+        """Some of the stations."""
         points, directions, spheres, equivalent = self
         return Stations(points[which], directions[which], spheres.at(which), equivalent[which])
 
     def followed_by(self, others: Stations) -> Stations:
-        """These and then some others of the same surface."""
+        """These stations followed by others of the same surface."""
         spheres = zip(self.spheres, others.spheres, strict=True)
         return Stations(
             np.concatenate([self.points, others.points]),

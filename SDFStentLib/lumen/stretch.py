@@ -1,4 +1,4 @@
-"""How a surface is stretched and moved between two states, and how large its triangles are."""
+"""The stretch and motion of a surface between two states, and the size of its triangles."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..validation import Floats, InputError, Points, Triangles, as_points
 
 
 class FaceStretch(NamedTuple):
-    """Per face (m,), as ratios after / before: 1 is unchanged.
+    """Stretches of each face (m,), as ratios after / before: 1 is unchanged.
 
     `area` is the product of the other two. NaN at a face without area before.
     """
@@ -56,9 +56,9 @@ def face_stretches(before: Surface, after: Surface | ArrayLike) -> FaceStretch:
 
 
 def displacements(before: ArrayLike, after: ArrayLike) -> Floats:
-    """Distance (n,) that every point has moved, mm.
+    """The distance (n,) by which every point has moved, mm.
 
-    `InputError` when the two states differ in their number of points.
+    Raises `InputError` if the two states differ in their number of points.
     """
     before, after = _both_states(before, after)
     return np.linalg.norm(after - before, axis=1)
@@ -82,7 +82,7 @@ def _metric(points: Points, triangles: Triangles) -> tuple[Floats, Floats, Float
 
 
 class TriangleSizes(NamedTuple):
-    """Of triangles (m,): their sides (m, 3), mm, and their smallest angles (m,), degrees."""
+    """Sides (m, 3) of triangles, mm, and their smallest angles (m,), degrees."""
 
     edge_length: Floats
     smallest_angle: Floats

@@ -1,4 +1,4 @@
-"""How far outside of a vessel a place is."""
+"""The distance of a place outside of a vessel."""
 
 from __future__ import annotations
 
@@ -8,16 +8,12 @@ from ..geometry import Surface, SurfaceIndex
 from ..validation import Points
 
 ON_WALL = 0.5
-"""A point so near to the wall is one on it, as a click on the surface gives, mm."""
+"""Distance from the wall up to which a point counts as on it, such as a click on the
+surface, mm."""
 
 
 class VesselInside:
-    """The inside of a vessel; what many questions about it need is made once.
-
-    Parameters
-    ----------
-    surface : Surface
-    """
+    """The inside of a vessel; the structures that many questions about it need are made once."""
 
     def __init__(self, surface: Surface) -> None:
         self.surface = surface
@@ -27,7 +23,7 @@ class VesselInside:
         return SurfaceIndex(self.surface.points, self.surface.triangles)
 
     def beyond(self, point: Points) -> float:
-        """How far outside of the wall a point (3,) is, mm; 0 inside and on the wall."""
+        """The distance of a point (3,) outside of the wall, mm; 0 inside and on the wall."""
         if self.surface.contains(point[None])[0]:
             return 0.0
         away = float(self._wall.distances(point[None]).distance[0])

@@ -1,4 +1,4 @@
-"""The wall round an axis, seen from it: how far every ray across the axis goes."""
+"""The wall round an axis as seen from the axis: the length of every ray across it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..geometry import (
 from ..validation import Flags, Floats, Indices, Points, Triangles, read_only
 
 RAYS = 144
-"""Rays at each station, 2.5 degrees apart."""
+"""Number of rays at each station, 2.5 degrees apart."""
 
 _BLOCK = 1 << 21
 """Pairs of station and triangle that are looked at together; some 10 MB of temporaries."""
@@ -29,26 +29,27 @@ _DECIDE, _SLACK = 6, 1e-9
 """Places of an axis that are looked at first, and what rounding may do to a distance from them."""
 
 _FEW = 2000
-"""A surface with fewer triangles is coarse: they are taken by their boxes."""
+"""Number of triangles below which a surface is coarse, and they are selected by their boxes."""
 
 
 @dataclass(frozen=True)
 class WallMap:
     """Length of the rays from `centers` to the surface, by station and angle.
 
-    A ray lies in the plane of its station, across the axis. Infinite where it meets nothing.
+    A ray lies in the plane of its station, across the axis. Its length is infinite if it meets
+    nothing.
     """
 
     arc_length: Floats
-    """(n,) of the stations on the axis, equally spaced, mm."""
+    """(n,) positions of the stations on the axis, equally spaced, mm."""
     centers: Points
-    """(n, 3) from where the rays go, mm."""
+    """(n, 3) origins of the rays, mm."""
     frames: Floats
     """(n, 3, 3) direction of the axis, then the two directions of the plane."""
     distance: Floats
-    """(n, RAYS) mm."""
+    """(n, RAYS) lengths of the rays, mm."""
     triangle: Indices
-    """(n, RAYS) that is met; -1 where none is."""
+    """(n, RAYS) triangle that the ray meets; -1 if it meets none."""
 
     def __post_init__(self) -> None:
         for name in ("arc_length", "centers", "frames", "distance", "triangle"):
@@ -64,13 +65,13 @@ class NearWall(NamedTuple):
     """The part of a surface near an axis: rays that leave it are as good as infinite."""
 
     points: Points
-    """(k, 3) mm."""
+    """(k, 3) points, mm."""
     triangles: Triangles
-    """(m, 3) of these points."""
+    """(m, 3) indices of these points."""
     point_ids: Indices
-    """(k,) their numbers in the surface."""
+    """(k,) indices of the points in the surface."""
     triangle_ids: Indices
-    """(m,) likewise."""
+    """(m,) indices of the triangles in the surface."""
 
 
 def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
@@ -96,8 +97,8 @@ def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
 
 
 def _within(points: Points, axis: Points, reach: float) -> Flags:
-    """Which points (k,) are nearer than `reach` mm to some of an axis (n, 3)."""
-    # Late: scipy costs what a first frame should not pay.
+    """Whether each point (k,) is nearer than `reach` mm to one of an axis (n, 3)."""
+    # Imported late: a first frame should not pay for scipy.
     from scipy.spatial import cKDTree
 
     # A few places of the axis decide on most points.
@@ -144,14 +145,8 @@ def rays_from(wall: NearWall, arc_length: Floats, centers: Points, along: Floats
 
 
 class WallCuts:
-    """Where planes across an axis cut the wall near it: seen from any place in these planes.
-
-    Parameters
-    ----------
-    wall : NearWall
-    arc_length, centers, along : (n,), (n, 3) and (n, 3, 3) arrays
-        Of the planes' stations, as in `WallMap`.
-    """
+    """The cuts of the wall near an axis with planes across it, which can be seen from any place in
+    these planes."""
 
     def __init__(self, wall: NearWall, arc_length: Floats, centers: Points, along: Floats) -> None:
         self.wall, self.arc_length, self.centers, self.along = wall, arc_length, centers, along
@@ -184,26 +179,28 @@ def frames_along(axis: Line, count: int, window: float) -> Floats:
 
 
 def ray_angles() -> Floats:
-    """(RAYS,) about the axis, from the first direction of the plane to the second."""
+    """The angles (RAYS,) of the rays about the axis, from the first direction of the plane to the
+    second."""
     return np.arange(RAYS, dtype=np.float64) * (2 * np.pi / RAYS)
 
 
 class _Segments(NamedTuple):
-    """In which some planes cut a wall."""
+    """The segments in which some planes cut a wall."""
 
     station: Indices
-    """(k,) the plane of each."""
+    """(k,) the plane of each segment."""
     start: Floats
     end: Floats
-    """(2, k) in the plane's own directions, from its center."""
+    """(2, k) ends in the plane's own directions, from its center."""
     owner: Indices
-    """(k,) the triangle, by its number in the wall."""
+    """(k,) the triangle, by its index in the wall."""
 
 
 def _first_hits(cuts: _Segments, shift: Floats) -> tuple[Floats, Indices]:
-    """Length (n, RAYS) of the rays from places (n, 2) in some planes, and what they meet first.
+    """The lengths (n, RAYS) of the rays from places (n, 2) in some planes, and the triangles that
+    they meet first.
 
-    Triangles by their number in the wall; any one where nothing is met.
+    Triangles are given by their index in the wall; it means nothing if a ray meets none.
     """
     station, start, end, owner = cuts
     here = shift.take(station, axis=0).T
@@ -232,7 +229,8 @@ def _first_hits(cuts: _Segments, shift: Floats) -> tuple[Floats, Indices]:
 
 
 def _cut_segments(wall: NearWall, centers: Points, along: Floats) -> _Segments:
-    """What planes across the first directions of some frames (n, 3, 3) cut of a wall."""
+    """The segments that planes across the first directions of some frames (n, 3, 3) cut out of a
+    wall."""
     normals = along[:, 0]
     heights = product(wall.points, normals.T) - np.einsum("ij,ij->i", normals, centers)
     # A bit for each station: eight are compared at once.
