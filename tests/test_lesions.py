@@ -493,6 +493,18 @@ def test_a_vessel_goes_on_beyond_a_twig_though_it_tapers_there():
     assert found.reference.distal.diameter == pytest.approx(3.3, rel=0.02)
 
 
+def test_a_vessel_that_comes_out_of_a_wide_one_is_not_narrowed_by_its_funnel():
+    """26 % were invented in a vessel that hardly changes: its funnel passed for healthy vessel."""
+    funnel = through((0, 8.0), (7, 4.3), (27, 4.4), (45, 4.15), (62, 5.4), (80, 4.6))
+    assert narrowings(vessel_along(funnel, parent=0)) == []
+
+
+def test_a_narrowing_at_an_ostium_is_told_though_a_deeper_one_follows():
+    """What lies between the two passed for an aneurysm."""
+    series = through((0, 2.2), (6, 4.6), (14, 4.7), (19, 1.9), (24, 4.6), (40, 3.6))
+    assert [round(one.narrowest) for one in narrowings(vessel_along(series, parent=0))] == [0, 19]
+
+
 def bell(width, depth):
     """Diameters of a vessel of 5 mm with a Gauss bell so many diameters wide."""
     along = np.arange(0.0, 5.0 * (5.2 * width + 4) + SPACING, SPACING)
@@ -535,10 +547,8 @@ def test_what_moves_the_caliber_by_little_moves_no_degree_by_more_than_twice_as_
     assert other.degree == pytest.approx(one.degree, abs=2 * e)
 
 
-@pytest.mark.parametrize(("width", "is_known"), [(8.0, True), (30.0, False)])
-def test_a_narrowing_without_healthy_vessel_in_reach_is_told_with_its_narrowest_place(
-    width, is_known
-):
+@pytest.mark.parametrize("width", [8.0, 30.0])
+def test_a_narrowing_without_healthy_vessel_in_reach_is_told_with_its_narrowest_place(width):
     """A branch between two junctions was told as no lesion, in silence: it widens up to both, or is
     narrow all along, against what it divides into."""
     along = np.arange(0.0, 20.1, 0.5)
@@ -546,10 +556,8 @@ def test_a_narrowing_without_healthy_vessel_in_reach_is_told_with_its_narrowest_
     ends = (SideBranch(20.0, 7.0, 1), SideBranch(20.0, 6.0, 2))
     branch = vessel_along(throat, 0)._replace(division=ends)
     (one,) = _found([vessel_along(np.full(60, 12.0)), branch], [0, 1])
+    asked = (7.0 ** (7 / 3) + 6.0 ** (7 / 3)) ** (3 / 7)
     assert one.narrow.narrowest == 10.0
-    assert (one.sides != (None, None)) == is_known
-    assert 0.4 < one.narrow.degree < 0.55
-    if not is_known:
-        asked = (7.0 ** (7 / 3) + 6.0 ** (7 / 3)) ** (3 / 7)
-        assert one.healthy == pytest.approx(asked)
-        assert one.narrow.degree == pytest.approx(1 - throat.min() / asked)
+    assert one.sides == (None, None)
+    assert one.healthy == pytest.approx(asked)
+    assert one.narrow.degree == pytest.approx(1 - throat.min() / asked)

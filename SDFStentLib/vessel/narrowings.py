@@ -159,13 +159,18 @@ def _reference(run: VesselRun, caliber: Caliber, at: int, eased: float) -> Refer
     narrow = float(caliber.diameter[at])
     ways, widest, smallest = _sides(run, caliber, at, eased)
     if narrow > (1 - smallest + eased) * widest:
-        return None
+        return _alone(run, narrow, eased)
     least = narrow + REGAINED * (widest - narrow)
     after = _healthy(caliber, at, 1, least) if 1 in ways else None
     if after is not None and run.parent >= 0:
         # What is narrower than the vessel that it feeds may be a throat at the ostium.
         least = max(least, narrow + REGAINED * (after.diameter - narrow))
     before = _healthy(caliber, at, -1, least) if -1 in ways else None
+    if len(ways) == 2 and before is None and run.parent >= 0:
+        # What is wider again toward the ostium is its funnel only.
+        smallest = SMALLEST_ONWARD if run.is_onward else SMALLEST_ONE_SIDED
+        if narrow > (1 - smallest + eased) * _widest(caliber, at, 1, REACH):
+            return _alone(run, narrow, eased)
     if ways == (-1,) and np.isfinite(_divided(run)):
         after = Plateau(np.nan, _divided(run))
     return Reference(before, after, widest)
@@ -183,14 +188,17 @@ def _sides(
     if narrow <= (1 - SMALLEST_DEGREE + eased) * widest:
         return (-1, 1), widest, SMALLEST_DEGREE
     above, below = (_one_sided(caliber, at, way) for way in (-1, 1))
-    begins, ends, asked = run.parent >= 0, bool(run.division), _divided(run)
-    if begins and below > above:
-        told = (1,), below, SMALLEST_ONWARD if run.is_onward else SMALLEST_ONE_SIDED
-    else:
-        told = (-1,), min(above, asked) if ends else 0.0, SMALLEST_ONE_SIDED
-    if begins and ends and narrow > (1 - told[2] + eased) * told[1] and np.isfinite(asked):
-        return (), asked, SMALLEST_ALONE
-    return told
+    if run.parent >= 0 and below > above:
+        return (1,), below, SMALLEST_ONWARD if run.is_onward else SMALLEST_ONE_SIDED
+    return (-1,), min(above, _divided(run)) if run.division else 0.0, SMALLEST_ONE_SIDED
+
+
+def _alone(run: VesselRun, narrow: float, eased: float) -> Reference | None:
+    """What the branches of a vessel between two junctions ask for, where it is much narrower."""
+    asked = _divided(run)
+    is_between = run.parent >= 0 and run.division and np.isfinite(asked)
+    is_narrow = is_between and narrow <= (1 - SMALLEST_ALONE + eased) * asked
+    return Reference(None, None, asked) if is_narrow else None
 
 
 def _side(caliber: Caliber, at: int, way: int) -> tuple[Floats, Floats, Floats]:
@@ -206,12 +214,13 @@ def _widest(caliber: Caliber, at: int, way: int, reach: float) -> float:
 
 
 def _one_sided(caliber: Caliber, at: int, way: int) -> float:
-    """The same near a junction, but in an aneurysm: beyond that it is as narrow as before it."""
+    """The same near a junction, but in an aneurysm: beyond that it stays as narrow as before it."""
     away, diameter, kept = _side(caliber, at, way)
     widest = _widest(caliber, at, way, ONE_SIDED_REACH)
-    beyond = (np.arange(len(away)) > np.argmax(kept == widest)) & (away <= REACH * widest)
-    is_aneurysm = widest >= ANEURYSM * diameter[0] and (diameter[beyond] <= diameter[0]).any()
-    return float(diameter[0] if is_aneurysm else widest)
+    beyond = diameter[(np.arange(len(away)) > np.argmax(kept == widest)) & (away <= REACH * widest)]
+    falls = np.flatnonzero(beyond <= diameter[0])
+    is_focal = bool(len(falls)) and np.median(beyond[falls[0] :]) <= diameter[0]
+    return float(diameter[0] if is_focal and widest >= ANEURYSM * diameter[0] else widest)
 
 
 def _healthy(caliber: Caliber, at: int, way: int, least: float) -> Plateau | None:
@@ -225,6 +234,10 @@ def _healthy(caliber: Caliber, at: int, way: int, least: float) -> Plateau | Non
         if kept[first : last[first]].max() <= (1 + LEVEL) * kept[first]:
             middle = (away[first] + away[last[first] - 1]) / 2
             usual = float(np.median(diameter[first : last[first]]))
+            is_at_end = last[first] == len(away) and not is_cut
+            if is_at_end and (1 - EDGE_DEGREE) * usual > kept[first]:
+                # It slopes: the funnel of a junction.
+                return None
             return Plateau(float(caliber.along[at] + way * middle), usual)
     return None
 
