@@ -128,6 +128,8 @@ def test_messages_count_stents_as_the_table_does(host, twoStents):
     assert "Stents 1 and 2 overlap" in told
     assert "Stent 2" in told
     assert "tent 3" not in told
+    assert "It is dilated again at once, and lies in the vessel as that." in told
+    assert "as stent 2" not in told
     assert "drop over stent 1" in told
     assert "drop over stent 2" in told
     assert "Pressure drop" in [one.name for one in tilesOf(parameters)]
@@ -140,3 +142,17 @@ def test_messages_count_stents_as_the_table_does(host, twoStents):
 
 def treatedStents(panel):
     return panel.logic.lastRun(panel._parameterNode).result.stents
+
+
+def test_a_stent_that_is_dilated_again_names_the_row_that_it_then_is(host, twoStents):
+    """The library's stent 4 is the third row of the table: the first row is two of its stents."""
+    ui = twoStents.ui
+    ui.stentTable.selectRow(0)
+    ui.redilationSpinBox.value = 8.0
+    ui.stentTable.selectRow(1)
+    again(host, twoStents, 9.0)
+    deploy(host, twoStents)
+    second = treatedStents(twoStents)[2]
+    assert (second.number, second.row, second.again, second.again_row) == (3, 2, 4, 3)
+    assert "It is dilated again as stent 3, and lies" in ui.lumenLabel.text
+    assert "stent 4" not in ui.lumenLabel.text

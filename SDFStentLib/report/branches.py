@@ -22,6 +22,13 @@ def again_words(number: int | None) -> str:
     return f"dilated again as stent {number}"
 
 
+def again_as(stent: TreatedStent) -> str:
+    """The same of a treated stent, by the rows of who reads of it; "" where it is not once more."""
+    if stent.again is None:
+        return ""
+    return "dilated again at once" if stent.again_row == stent.row else again_words(stent.again_row)
+
+
 def beside_facts(stent: TreatedStent) -> Iterator[Fact]:
     """What lies beside a stent: its branches, of which a table has the one that is covered most and
     the one that lost most, and the wall that the stent does not touch."""
@@ -35,7 +42,7 @@ def beside_facts(stent: TreatedStent) -> Iterator[Fact]:
     for sentence in [one.sentence() for one in stent.branches] or [NONE_NEAR]:
         yield Fact(words=sentence, level=LINES)
     if found is None:
-        words = f"It is {again_words(stent.again)}, and lies in the vessel as that."
+        words = f"It is {again_as(stent)}, and lies in the vessel as that."
         yield Fact(words=words, level=LINES)
     elif found.stretches:
         yield Fact(words=found.sentence(), level=LINES)

@@ -10,7 +10,7 @@ from ..plan import to_document
 from ..stent import OfStent, Stent
 from ..treatment import SizeRatios, TreatedLesion, TreatedStent, TreatmentResult, treated_ratios
 from ..units import MILLIMETERS
-from .branches import again_words, beside_facts
+from .branches import again_as, beside_facts
 from .devices import device_facts, device_sentences
 from .diameters import lumen_facts, prescribed_words
 from .facts import COMPARED, LINES, Fact, Facts, size
@@ -75,7 +75,7 @@ def measured_facts(treated: TreatedStent) -> Facts:
 def _sizes(treated: TreatedStent, covered: Sequence[TreatedLesion]) -> Iterable[Fact]:
     stent, balloon = treated.stent, treated.stent.balloon
     words, placed = deployed_words(treated), PLACEMENTS[type(stent.placement).__name__]
-    again = "" if treated.again is None else f", {again_words(treated.again)}"
+    again = f", {again_as(treated)}" if treated.again else ""
     yield Fact("_deployed", words=words + again)
     yield Fact("_whole", words=f"{words[:1].upper()}{words[1:]}, placed {placed}{again}.")
     if isinstance(stent.placement, OfStent):

@@ -243,8 +243,14 @@ class Treatment:
             neighbors=seen.neighbors,
             apposition=seen.apposition if again == stage.number else None,
             again=None if again == stage.number else again,
+            again_row=None if again == stage.number else self._rows[again],
             result=stage.result,
         )
+
+    @property
+    def _rows(self) -> dict[int, int]:
+        """By which the stents are counted, by their numbers."""
+        return {one.number: one.placed.row for one in self._stages}
 
     @cached_property
     def survey(self) -> Survey:

@@ -94,6 +94,8 @@ class TreatedStent(PlacedStent):
         has neither this size nor this place.
     again : int or None
         Number of the last of the later stents that are this one, dilated again.
+    again_row : int or None
+        By which who reads of it counts that one; its own `row` where it is dilated again at once.
     result : DeploymentResult
         What came of it, before the stents after it.
     """
@@ -108,6 +110,7 @@ class TreatedStent(PlacedStent):
     apposition: Apposition | None
     again: int | None
     result: DeploymentResult
+    again_row: int | None = field(default=None, kw_only=True)
 
     @property
     def moved_points(self) -> int:
