@@ -20,10 +20,14 @@ FRONT, SIDE = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
 """To where one looks who looks at a patient, and across that."""
 NEARLY = 0.1
 """Part of a line seen from the front below which it goes to the front itself."""
-BESIDE = (1.0, -1.0, 1.7, -1.7, 2.4, -2.4)
+BESIDE = (1.0, -1.0, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.0, -4.0, 5.0, -5.0)
 """So many diameters of the healthy vessel beside its axis a number may stand."""
+ALONG = (0.0, 0.7, -0.7, 1.4, -1.4, 2.2, -2.2, 3.0, -3.0)
+"""And so many along it from the narrowest place; what is nearest comes first."""
 APART = 5.0
 """Between two numbers at least, where there is room, mm."""
+SIGN, DIGIT = 1.1, 0.65
+"""Height of a sign, and width of one of its characters, of the height of its text, as seen; its blanks are as one digit."""
 
 
 class LesionMarks:
@@ -41,7 +45,11 @@ class LesionMarks:
         with Showing.inOneFrame():
             if lesions:
                 texts = [f" {number} " for number in range(1, len(lesions) + 1)]
-                self._numbers = _locked(createMark(POINTS, _("Lesions"), _besides(lesions), texts))
+                self._numbers = _locked(
+                    createMark(
+                        POINTS, _("Lesions"), _besides(lesions, Showing.firstRenderer()), texts
+                    )
+                )
                 _asSigns(self._numbers.GetDisplayNode())
             self._mark(None)
 
@@ -87,19 +95,56 @@ class LesionMarks:
             removeMark(node)
 
 
-def _besides(lesions):
-    """Where the numbers stand, a row each: beside the vessel as it is seen from the front, where no handle is, and none on another."""
-    placed = []
-    for lesion in lesions:
-        across = np.cross(np.diff(lesion.line.points[[0, -1]], axis=0)[0], FRONT)
-        length = np.linalg.norm(across)
-        across = across / length if length > NEARLY * lesion.line.length else SIDE
-        steps = lesion.reference_diameter * np.outer(BESIDE, across)
-        places = np.add(lesion.point, steps)
-        apart = [min((np.linalg.norm(one - p) for p in placed), default=np.inf) for one in places]
-        free = [place for place, room in zip(places, apart, strict=True) if room >= APART]
-        placed.append(free[0] if free else places[int(np.argmax(apart))])
+def _besides(lesions, renderer=None):
+    """Where the numbers stand, a row each: beside the vessel as it is seen from the front, where no handle is, and none on another.
+
+    Nor is one as the signs are seen by a `vtkRenderer` now; where there is no room, where there is most.
+    """
+    placed, boxes = [], []
+    for number, lesion in enumerate(lesions, start=1):
+        places = _choices(lesion)
+        seen = signBoxes(places, number, renderer)
+        room = np.full(len(places), np.inf)
+        for place, box in zip(placed, boxes, strict=True):
+            apart = np.linalg.norm(places - place, axis=1) / APART
+            room = np.minimum(room, np.minimum(apart, signsApart(seen, box)))
+        best = int(np.argmax(np.minimum(room, 1.0)))
+        placed.append(places[best])
+        boxes.append(seen[best])
     return placed
+
+
+def _choices(lesion):
+    """Places for the number of a lesion (n, 3), the nearest first."""
+    across = np.cross(np.diff(lesion.line.points[[0, -1]], axis=0)[0], FRONT)
+    length = np.linalg.norm(across)
+    across = across / length if length > NEARLY * lesion.line.length else SIDE
+    steps = sorted(
+        ((beside, along) for along in ALONG for beside in BESIDE), key=lambda step: np.hypot(*step)
+    )
+    shifts = np.array(steps) @ [across, np.cross(across, FRONT)]
+    return lesion.point + lesion.reference_diameter * shifts
+
+
+def signBoxes(places, number, renderer):
+    """Middles and half sizes (n, 4) of a number's sign at places (n, 3), of half the height of a view; NaN without one."""
+    if renderer is None:
+        return np.full((len(places), 4), np.nan)
+    aspect = renderer.GetTiledAspectRatio()
+    matrix = renderer.GetActiveCamera().GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
+    rows = np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+    seen = places @ rows[:, :3].T + rows[:, 3]
+    middles = seen[:, :2] / seen[:, 3:] * (aspect, 1.0)
+    # A text is as high as its part of the diagonal of the view.
+    text = TEXT / 100.0 * np.hypot(1.0, aspect)
+    half = text * np.array([DIGIT * (len(str(number)) + 1), SIGN])
+    return np.hstack([middles, np.broadcast_to(half, middles.shape)])
+
+
+def signsApart(boxes, other):
+    """How far signs (n, 4) are from another one (4,): 1 where they touch, less where they lie on each other (n,)."""
+    apart = np.abs(boxes[:, :2] - other[:2]) / (boxes[:, 2:] + other[2:])
+    return np.nan_to_num(apart.max(axis=1), nan=np.inf)
 
 
 def _asSigns(display):

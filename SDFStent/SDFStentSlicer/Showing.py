@@ -50,6 +50,12 @@ def threeDViews():
     return [manager.threeDWidget(number).threeDView() for number in range(count)]
 
 
+def firstRenderer():
+    """That of the first 3D view; None without one."""
+    views = threeDViews()
+    return views[0].renderWindow().GetRenderers().GetFirstRenderer() if views else None
+
+
 class QuickDrawing:
     """Draws walls that are seen through in any order while something moves.
 
