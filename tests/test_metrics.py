@@ -284,5 +284,6 @@ def test_a_profile_through_a_lesion_is_as_narrow_as_the_lesion(data_dir):
     vessel = read_input_files(*map(str, files)).vessel
     assert len(vessel.lesions) > 9
     for lesion in vessel.lesions:
-        minimum = diameter_profile(vessel.surface, lesion.line).minimum
+        # At an ostium the narrowest place is at one end, with no station on both sides of it.
+        minimum = diameter_profile(vessel.surface, lesion.line, 0.25).minimum
         assert minimum == pytest.approx(lesion.minimum_diameter, rel=0.005)

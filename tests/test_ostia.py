@@ -392,7 +392,7 @@ def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst
         ostia = [Ostium(one.name, one.path.points[0], 2.0, 4.0, 12.0, 1.0) for one in lumens]
         axis = SimpleNamespace(deployed_length=10.0)
         return SimpleNamespace(
-            number=number, branches=ostia, neighbors=lumens, again=again, axis=axis
+            number=number, row=number, branches=ostia, neighbors=lumens, again=again, axis=axis
         )
 
     first = lumen_along([[0, 0, 0], [20, 0, 0]])

@@ -10,6 +10,7 @@ from ..plan import to_document
 from ..stent import OfStent, Stent
 from ..treatment import SizeRatios, TreatedLesion, TreatedStent, TreatmentResult, treated_ratios
 from ..units import MILLIMETERS
+from ..validation import check_is_a
 from .branches import again_as, beside_facts
 from .devices import device_facts, device_sentences
 from .diameters import lumen_facts, prescribed_words
@@ -247,7 +248,13 @@ def stent_rows(result: TreatmentResult) -> list[dict[str, Any]]:
 
     Lengths in mm, times in s; a number that is not known is NaN, a text empty. Every row has
     the same columns; those of the certificate and the times are of the whole treatment.
+
+    Raises
+    ------
+    InputError
+        Something else than a result.
     """
+    check_is_a(result, TreatmentResult, "result")
     judged = result.certificate
     common = {
         "moved_points": len(result.indices),
