@@ -386,7 +386,8 @@ class Page:
         self.say(opened.warnings)
 
     def _close(self) -> None:
-        """Remove the former vessel from the scene, with its stents and results."""
+        """Remove the former vessel from the scene, with its stents, its patient's flow and results."""
+        from SDFStentSlicer import Flow
         from SDFStentSlicer.Display import OUTPUT_ROLES
 
         parameters, logic = self.parameters, self.widget.logic
@@ -399,6 +400,8 @@ class Page:
         # Ends, since every turn takes one away.
         while len(parameters.stents):
             logic.removeStent(parameters)
+        for name, value in Flow.valuesOf(None).items():
+            setattr(parameters, name, value)
         for role in ("vessel", "centerline", *OUTPUT_ROLES):
             node = getattr(parameters, role)
             if node is not None:

@@ -658,6 +658,12 @@ def test_a_fontan_is_told_from_each_caval_vein_and_its_inlets_are_set_in_the_pag
     flow = json.loads(archive.read("plan.json"))["flow"]
     assert [one["mean"] for one in flow["inlets"]] == pytest.approx([30.0, 10.0])
     assert (flow["bsa"], flow["unusual"]) == (1.2, True)
+    # Another patient's vessel has no part in this flow.
+    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.named("demoButton").click()
+    a_visit.until("lesionTable", "41 %")
+    playwright.expect(a_visit.number("flowMeanSpinBox")).to_have_value("0.00")
+    playwright.expect(a_visit.number("bodySurfaceSpinBox")).to_have_value("0.00")
 
 
 def test_a_stent_is_kept_at_a_lesion_and_on_a_branch(a_visit):
