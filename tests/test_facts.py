@@ -22,6 +22,7 @@ from SDFStentLib.report import (
     result_tiles,
     stent_rows,
     stents,
+    summary,
 )
 from SDFStentLib.report.facts import COMPARED, DETAILS, GLANCE, LINES, Fact, Facts, size, width
 from SDFStentLib.report.html import html_page
@@ -78,6 +79,20 @@ def test_a_number_that_is_listed_once_is_told_at_every_door(result, monkeypatch)
     assert told["side by side"].count("<p>5.68 mm (before 1.23 mm)</p>") == 2
     for door in ("short", "verbose", "tiles", "at hand"):  # and nothing else
         assert len(told[door]) == len(before[door]) + 1
+
+
+def test_what_came_of_all_stents_is_listed_once(result, monkeypatch):
+    """For the lines of the shell, the tiles and the lines beside a stent."""
+    before = told_everywhere(result)
+    words = {"words": "At length.", "few": "brief", "hand": "beside", "beneath": "below"}
+    trial = Fact(after=1.0, level=GLANCE, tile="Trial", **words)
+    known = summary.contact_fact
+    monkeypatch.setattr(summary, "contact_fact", lambda stents: [*known(stents), trial])
+    told = told_everywhere(result)
+    assert [one for one in told["short"] if one not in before["short"]] == ["At length."]
+    (tile,) = (one for one in told["tiles"] if one not in before["tiles"])
+    assert tile == Tile("Trial", "brief", "below")
+    assert [one for one in told["at hand"] if one not in before["at hand"]] == ["beside"]
 
 
 def test_a_number_of_details_is_told_in_report_and_table_only(result, monkeypatch):

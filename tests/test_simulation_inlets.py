@@ -11,6 +11,7 @@ from test_simulation import series
 from SDFStentLib.flow import Inflow, Wave, known_flow
 from SDFStentLib.phantoms import branching_pulmonary_artery, cavopulmonary_connection
 from SDFStentLib.plan import flow_model
+from SDFStentLib.report import simulation_sentences
 from SDFStentLib.simulation import Cut, State, prepare
 from SDFStentLib.simulation.conditions import conditions_of
 from SDFStentLib.simulation.remesh import Wishes
@@ -220,3 +221,35 @@ def test_steps_of_reversed_flow_are_those_of_flow_as_fast(fontan):
     one, _ = conditions_at(a_fontan(fontan), known, np.array(ends))
     turned = one._replace(ends=one.ends[::-1])
     assert time_steps(one, 1.0, 5.0, 1e4) == time_steps(turned, 1.0, 5.0, 1e4)
+
+
+def test_what_comes_in_at_a_further_inlet_is_told_without_a_minus():
+    """`flow through other_inlet: -20` reads as if it went the other way."""
+
+    def state(other: float) -> dict[str, object]:
+        drop = {"value": 1.0, "error": None}
+        band = dict.fromkeys(("value", "low", "high"), 1.0)
+        keys = ("total_drop_mmhg", "static_drop_mmhg", "largest_drop_mmhg")
+        flows = {"outlet": 50.0 + other, "other_inlet": other}
+        return {
+            "inflow_ml_s": 50.0,
+            "inlet_mmhg": None,
+            **dict.fromkeys((*keys, "shear_mean_pa", "shear_high_pa"), drop),
+            "outlets": {name: {"flow_ml_s": flow} for name, flow in flows.items()},
+            "network": {
+                **dict.fromkeys(("recovered_mmhg", "maximal_mmhg"), band),
+                "outlets_ml_s": flows,
+            },
+        }
+
+    def told(*others: float) -> list[str]:
+        states = zip(("before", "after"), others, strict=True)
+        document = {name: {"mean": state(other)} for name, other in states}
+        lines = simulation_sentences({**document, "main_outlet": "outlet", "notes": []})
+        return [line.strip() for line in lines if "other_inlet" in line]
+
+    assert told(-20.0, -21.5) == [
+        "flow in through other_inlet: 20 -> 21.5 mL/s [network 20 -> 21.5 mL/s]."
+    ]
+    # Where the blood turns, it takes a sign to say so.
+    assert told(-2.0, 3.0) == ["flow through other_inlet: -2 -> 3 mL/s [network -2 -> 3 mL/s]."]

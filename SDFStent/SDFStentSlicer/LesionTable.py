@@ -3,8 +3,7 @@
 import qt
 from slicer.i18n import tr as _
 
-from SDFStentLib.report import degree_word, lesion_sentences
-from SDFStentLib.vessel import SMALLEST_DEGREE
+from SDFStentLib.report import NO_LESION, lesion_facts
 
 from . import Clock, Showing
 from .LesionMarks import LesionMarks
@@ -121,10 +120,8 @@ class LesionTable:
         if error is not None:
             self._show(str(error))
         else:
-            none = _("No lesion of {percent} % or more was found.")
-            none = none.format(percent=round(100 * SMALLEST_DEGREE))
             said = "\n".join(filter(None, (search.remark, search.sentence)))
-            self._show(said, search.found, "" if search.found or search.sentence else none)
+            self._show(said, search.found, "" if search.found or search.sentence else NO_LESION)
             if not search.sentence:
                 self._onFound()
 
@@ -134,7 +131,8 @@ class LesionTable:
         rows = [([state], state)] if state else []
         for number, lesion in enumerate(lesions, 1):
             side = "" if self._search is None else self._search.sideOf(lesion)
-            rows.append((_texts(number, lesion, side), " ".join(lesion_sentences(number, lesion))))
+            facts = lesion_facts(number, lesion)
+            rows.append((_texts(facts, side), " ".join(facts.sentences)))
         self._updating = True
         try:
             table.clearSelection()
@@ -222,14 +220,16 @@ class LesionTable:
             self._selectionChanged()
 
 
-def _texts(number, lesion, side):
+SHOWN = "percent_diameter", "minimum.diameter_mm", "extent.length_mm"
+"""Keys of the facts beside the name of a vessel."""
+
+
+def _texts(facts, side):
     # What the vessel leads to is in the tooltip: there is little room.
-    name = lesion.branch_name.partition(" (")[0]
+    name = facts.value("branch_name").partition(" (")[0]
     if name.startswith("branch "):  # by its size, which tells nobody which one it is
-        name = _("{side}, generation {generation}").format(side=side, generation=lesion.generation)
-    return (
-        _("{number} {branch}").format(number=number, branch=name),
-        degree_word(lesion.percent_diameter),
-        f"{lesion.minimum_diameter:.1f} mm",
-        f"{lesion.length:.0f} mm",
-    )
+        name = _("{side}, generation {generation}").format(
+            side=side, generation=facts.value("generation")
+        )
+    numbered = _("{number} {branch}").format(number=facts.value("number"), branch=name)
+    return numbered, *(facts.named(key).in_few for key in SHOWN)

@@ -15,16 +15,15 @@ from SDFStentLib.report import (
     measured_lines,
     measuring_lines,
     previewed_lines,
+    previewed_sentences,
     previewed_tiles,
-    ratio_sentence,
     residual_facts,
     result_tiles,
     stent_lines,
     stents_in,
 )
-from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautions, stent_ratios
+from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautions
 from SDFStentLib.validation import InputError, one_line
-from SDFStentLib.vessel import lesions_within
 
 from . import Charts, Conversion, Display, Showing
 from .ParameterNode import SurfaceMap
@@ -101,10 +100,7 @@ def followDevice(parameterNode, run):
 def showPreviewed(parameterNode, run, numbers, lesions):
     """The `numbers` of a preview, as such, and the ratios to the `lesions` of the vessel, as far as these are known."""
     sentences = [
-        _("{name}, {diameter:.1f} mm\nMinimum lumen: about {lumen} mm (preview)").format(
-            name=one.stent.name, diameter=one.stent.diameter, lumen=_number(its.lumen)
-        )
-        + "".join(f"\n{sentence}" for sentence in _ratios(one, lesions))
+        "\n".join([_title(one.stent), *previewed_sentences(one, its, lesions)])
         for one, its in zip(run.state.stents, numbers, strict=True)
     ]
     with slicer.util.NodeModify(parameterNode):
@@ -114,16 +110,6 @@ def showPreviewed(parameterNode, run, numbers, lesions):
             number = selectedStent(parameterNode, run)
             lines = previewed_lines(run.state.stents[number], numbers[number], lesions)
             parameterNode.atHand = "\n".join(lines)
-
-
-def _ratios(placed, lesions):
-    """How a stent of a preview compares with the tightest lesion that it covers, and what there is to say of that."""
-    sentences = []
-    for lesion in lesions_within(lesions, placed.axis.points)[:1]:
-        ratios = stent_ratios(placed.stent, lesion)
-        cautions = [caution.sentence() for caution in ratios.cautions()]
-        sentences += [ratio_sentence(ratios), *cautions]
-    return sentences
 
 
 def showMeasured(parameterNode, run):
@@ -200,15 +186,14 @@ def showFlow(parameterNode, run):
 
 def stentSummary(treated, lesions):
     """What there is to say of one stent, a line per quantity, with true arrows."""
-    title = _("{name}, {diameter:.1f} mm").format(
-        name=one_line(treated.stent.name), diameter=treated.stent.diameter
-    )
     told = stent_lines(treated, lesions)
-    return "\n".join([title, *(line.replace("->", "\N{RIGHTWARDS ARROW}") for line in told)])
+    return "\n".join(
+        [_title(treated.stent), *(line.replace("->", "\N{RIGHTWARDS ARROW}") for line in told)]
+    )
 
 
-def _number(value):
-    return f"{value:.1f}" if np.isfinite(value) else _("not known")
+def _title(stent):
+    return _("{name}, {diameter:.1f} mm").format(name=one_line(stent.name), diameter=stent.diameter)
 
 
 def followSelection(parameterNode, run):
@@ -232,7 +217,7 @@ def selectedStent(parameterNode, run):
     return number
 
 
-def _title(treated, number):
+def _plotTitle(treated, number):
     """How a stent is called above its plot: by its name, and by its number when the name is not its own."""
     names = [one_line(stent.stent.name) for stent in treated]
     if names[number] and names.count(names[number]) == 1:
@@ -247,7 +232,7 @@ def showProfile(parameterNode, run):
     """Table and plot of the selected stent, or of the first when that one was not deployed."""
     treated, number = run.result.stents, selectedStent(parameterNode, run)
     run.shownStent = number
-    chosen, title = treated[number], _title(treated, number)
+    chosen, title = treated[number], _plotTitle(treated, number)
     before, after = chosen.around_before, chosen.around_after
     inStent = (before.arc_length >= 0) & (before.arc_length <= chosen.before.arc_length[-1])
     columns = {

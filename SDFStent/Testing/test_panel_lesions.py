@@ -397,13 +397,15 @@ def test_a_lesion_that_nobody_named_is_called_by_side_and_generation(host, theIn
 
     from SDFStentSlicer.LesionTable import _texts
 
+    from SDFStentLib.report import lesion_facts
+
     (lesion,) = found(host, theInputs)
     side = theInputs.lesions._search.sideOf(lesion)
     assert lesion.branch_name == f"{side} pulmonary artery"  # as the vessel's faces call it
-    assert _texts(1, lesion, side)[0] == "1 left pulmonary artery"
+    assert _texts(lesion_facts(1, lesion), side)[0] == "1 left pulmonary artery"
     nameless = replace(lesion, branch_name="branch of 5.7 mm from 75 mm on (3 outlets)")
     nameless = replace(nameless, generation=3)
-    assert _texts(2, nameless, side)[0] == "2 left, generation 3"
+    assert _texts(lesion_facts(2, nameless), side)[0] == "2 left, generation 3"
 
 
 @pytest.mark.parametrize(("height", "rows"), [(500, 2), (900, None), (1600, 11)])

@@ -7,20 +7,21 @@ from pathlib import Path
 from typing import Any
 
 from ..cautions import Caution
-from ..files import SurfaceFile, check_same_space
+from ..files import check_same_space
 from ..plan import InputFiles, read_input_files
 from ..report import (
     Facts,
     MeasuredLine,
-    diameter_section,
+    check_facts,
     diameter_table,
     document_json,
+    file_facts,
     filed_point,
     lesion_facts,
-    lesion_list,
-    lesion_sentences,
+    lesion_lines,
     lesions_by_size,
     lesions_csv,
+    line_facts,
 )
 from ..stent import Stent, stent_axis
 from ..validation import InputError, as_number, one_line
@@ -35,8 +36,11 @@ LINES = 8
 """Lines about a vessel on the screen, apart from requested tables, unless all of it
 is asked for."""
 
-LISTED = 5
-"""Number of lesions that are listed if there are many."""
+HOW = (
+    "; --smallest-vessel 0 lists them",
+    "--verbose tells more, and what each is measured against; --json and --csv F have them all.",
+)
+"""How lesions in small vessels are listed, and how all."""
 
 _PROBE_DIAMETER = 1.0
 """Diameter of the stent that stands for the place to be measured, mm; any number will do."""
@@ -72,50 +76,24 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     if vessel.lesions is not None and vessel.root is not None:
         filed = filed_point(vessel.root, units)
         said.append(f"Proximal is the end at {filed} {units}; --root X Y Z names another one.")
-        said += _lesion_lines(inputs, smallest, is_short=not options.verbose)
+        most = None if options.verbose else LINES
+        said += lesion_lines(vessel.lesions, units, smallest, HOW, most)
     console.warn_shortly(warnings, max(LINES - len(said), 1), units, thing="part")
     print("\n".join(said), end="\n" if said else "")
     for line in lines:
-        print(diameter_table(line, units))
+        print(diameter_table(line_facts(line, units)))
     return 0
-
-
-def _lesion_lines(inputs: InputFiles, smallest: float, *, is_short: bool) -> list[str]:
-    """Lines about the lesions, or about the first ones of many."""
-    lesions, units = inputs.vessel.lesions or (), inputs.surface.units
-    large, small = lesions_by_size(lesions, smallest)
-    # Sections are cut for every sentence, so only those that are printed are made.
-    if not is_short or 2 * len(large) + bool(small) < LINES:
-        return lesion_list(lesions, units, smallest, "; --smallest-vessel 0 lists them")
-    count = len(large[LISTED:]) + len(small)
-    of_them = f", {len(small)} of them in vessels below {smallest:g} mm" if small else ""
-    more = f"{count} more{of_them}: " if count else ""
-    return [
-        *(lesion_sentences(number, lesions[number - 1], units)[0] for number in large[:LISTED]),
-        f"{more}--verbose tells more, and what each is measured against; --json and --csv F have "
-        "them all.",
-    ]
 
 
 def check_command(options: argparse.Namespace, _console: Console) -> int:
     """Report whether a surface is sound; return 3 if it is not."""
     inputs = read_input_files(options.surface, units=options.units)
-    surface = inputs.surface
-    check = inputs.vessel.check(surface.precision)
-    document = {
-        **_surface_document(surface),
-        "passed": check.passed,
-        "sentence": check.sentence(surface.units),
-        **check.as_dict(),
-        "warnings": [
-            caution.sentence(units=surface.units)
-            for caution in (*surface.warnings, *check.cautions())
-        ],
-    }
+    check = inputs.vessel.check(inputs.surface.precision)
+    facts = check_facts(inputs.surface, check)
     if options.json:
-        print(document_json(document), end="")
+        print(document_json(facts.as_dict()), end="")
     elif not options.quiet:
-        _print_check(document)
+        print(*map(one_line, facts.sentences), sep="\n")
     return 0 if check.passed else NOT_SOUND
 
 
@@ -175,42 +153,11 @@ def _document(
     return {
         "schema": "sdfstent-diameters",
         "version": 1,
-        **_surface_document(inputs.surface),
+        **file_facts(inputs.surface).as_dict(),
         "root_mm": vessel.root,
         "lesions": sections(large),
         "smallest_vessel_mm": smallest,
         "lesions_of_small_vessels": sections(small),
-        "lines": [diameter_section(line) for line in lines],
+        "lines": [line_facts(line, units) for line in lines],
         "warnings": [caution.sentence("part", units=units) for caution in warnings],
     }
-
-
-def _surface_document(surface: SurfaceFile) -> dict[str, Any]:
-    return {
-        "file": str(surface.path),
-        "sha256": surface.sha256,
-        "points": len(surface.points),
-        "triangles": surface.surface.made_of,
-        "units": surface.units,
-    }
-
-
-def _print_check(document: dict[str, Any]) -> None:
-    print(document["sentence"])
-    print(
-        f"{document['points']} points, {document['triangles']} triangles, "
-        f"{document['components']} connected part(s), {document['boundary_edges']} boundary edges."
-    )
-    for key, words in (
-        ("self_intersecting_triangles", "intersect another one"),
-        ("inverted_triangles", "are turned over"),
-        ("flipped_triangles", "are wound against their neighbors"),
-        ("degenerate_triangles", "have no height"),
-        ("sliver_triangles", "have an angle below 1 degree, which is no fault"),
-    ):
-        if document[key]:
-            shown = ", ".join(map(str, document[key][:10]))
-            more = ", ..." if len(document[key]) > 10 else ""
-            print(f"{len(document[key])} triangles {words}: {shown}{more}")
-    for sentence in document["warnings"]:
-        print(one_line(f"warning: {sentence}"))

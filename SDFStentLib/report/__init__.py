@@ -1,5 +1,7 @@
 """What is handed on: a document, a page, figures and pictures."""
 
+from .changes import check_facts as check_facts
+from .changes import file_facts as file_facts
 from .comparison import comparison_document as comparison_document
 from .comparison import comparison_page as comparison_page
 from .comparison import comparison_pictures as comparison_pictures
@@ -7,11 +9,12 @@ from .devices import device_rows as device_rows
 from .devices import device_sentence as device_sentence
 from .devices import device_sentences as device_sentences
 from .diameters import MeasuredLine as MeasuredLine
-from .diameters import diameter_section as diameter_section
 from .diameters import diameter_table as diameter_table
 from .diameters import filed_point as filed_point
+from .diameters import line_facts as line_facts
 from .facts import Fact as Fact
 from .facts import Facts as Facts
+from .facts import Tile as Tile
 from .flow import flow_columns as flow_columns
 from .flow import flow_document as flow_document
 from .flow import flow_moments as flow_moments
@@ -19,18 +22,17 @@ from .flow import flow_section as flow_section
 from .flow import flow_sentences as flow_sentences
 from .flow import stents_in as stents_in
 from .glance import COMPARED as COMPARED
-from .glance import WARNING as WARNING
-from .glance import Tile as Tile
 from .glance import measured_lines as measured_lines
 from .glance import measuring_lines as measuring_lines
 from .glance import previewed_lines as previewed_lines
+from .glance import previewed_sentences as previewed_sentences
 from .glance import previewed_tiles as previewed_tiles
 from .glance import result_tiles as result_tiles
 from .html import flow_page as flow_page
 from .lesions import LEAST as LEAST
+from .lesions import NO_LESION as NO_LESION
 from .lesions import lesion_facts as lesion_facts
-from .lesions import lesion_list as lesion_list
-from .lesions import lesion_sentences as lesion_sentences
+from .lesions import lesion_lines as lesion_lines
 from .lesions import lesions_by_size as lesions_by_size
 from .lesions import lesions_csv as lesions_csv
 from .lesions import residual_facts as residual_facts
@@ -55,6 +57,7 @@ from .sizing import ratio_sentence as ratio_sentence
 from .sizing import suggestion_facts as suggestion_facts
 from .stents import stent_facts as stent_facts
 from .stents import stent_rows as stent_rows
+from .summary import WARNING as WARNING
 from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
 from .summary import stent_lines as stent_lines

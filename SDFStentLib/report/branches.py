@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from ..treatment import TreatedStent
+from ..treatment import BranchBeside, TreatedStent, branches_beside
 from ..units import MILLIMETERS
 from ..vessel import FREE, LISTED, Apposition, NeighborLumen, Ostium
-from .facts import LINES, Fact, Facts, size
+from .facts import GLANCE, LINES, Fact, Facts, listed, size
 from .markup import Cell, facts_table, heading, paragraph, table
-from .words import millimeters, number_text
+from .words import UNKNOWN, millimeters, number_text
 
+BRANCHES = "Branches"
 CONTACT, ALL_ROUND = "Contact with the wall", "all round"
 FREE_PART = "of the circumference is free"
 NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
@@ -137,3 +138,85 @@ def apposition_table(stretches: Sequence[Facts]) -> list[str]:
     looks = dict.fromkeys(("from", "to", FREE_PART), "n")
     title = heading("Not in contact all round")
     return [title, facts_table(stretches, looks), paragraph(note, "small")]
+
+
+def branches_fact(stents: Sequence[TreatedStent]) -> Fact:
+    """Which side branches are covered or narrowed, and how many."""
+    every, several = branches_beside(stents), len(stents) > 1
+    covered = [one for one in every if not one.ostium.is_free]
+    narrowed = sum(one.lumen is not None and one.lumen.is_narrowed for one in every)
+    counts = {"covered": len(covered), "narrowed": narrowed}
+    changed = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    return Fact(
+        "branches",
+        after=len(covered),
+        words=_branch_sentence(stents, every, several),
+        level=GLANCE,
+        few=f"{len(covered)} of {len(every)} covered" if every else "none near",
+        hand=changed and f"branches: {changed}",
+        tile=BRANCHES,
+        beneath=f"{narrowed or 'none'} narrowed" if every else "",
+    )
+
+
+def _branch_sentence(
+    stents: Sequence[TreatedStent], every: Sequence[BranchBeside], several: bool
+) -> str:
+    lumens = [(_called(one, several), one.lumen) for one in every if one.lumen is not None]
+    lumens += [(near.name, near) for one in stents for near in one.neighbors if not near.is_branch]
+    covered = [
+        _called(one, several, one.ostium.coverage.removesuffix(" covered"))
+        for one in every
+        if not one.ostium.is_free
+    ]
+    narrowed = [
+        f"{name} {near.before:.2f} -> {near.after:.2f} mm"
+        for name, near in lumens
+        if near.is_narrowed
+    ]
+    lost = [name for name, near in lumens if math.isnan(near.after) and not math.isnan(near.before)]
+    if not every and not narrowed and not lost:
+        return NONE_NEAR
+    words = [*_kind("covered", covered), *_kind("narrowed", narrowed)]
+    words += _kind(f"with a lumen that is {UNKNOWN}", lost)
+    return f"Branches: {'; '.join(words) or f'none of {len(every)} is covered or narrowed'}."
+
+
+def _called(branch: BranchBeside, of_several: bool, coverage: str = "") -> str:
+    """A branch, with the stent from which its place counts where there are several."""
+    stent = f"stent {branch.nearest}" if of_several else ""
+    said = ", ".join(filter(None, (stent, coverage)))
+    return f"{branch.ostium.name} ({said})" if said else branch.ostium.name
+
+
+def _kind(what: str, names: Sequence[str]) -> Iterable[str]:
+    return [f"{len(names)} {what}: {listed(names)}"] if names else []
+
+
+def contact_fact(stents: Sequence[TreatedStent]) -> Iterator[Fact]:
+    """How much of the stents does not touch the wall; nothing where that was not looked for."""
+    found = {one.number: one.apposition for one in stents if one.apposition is not None}
+    if not found:
+        return
+    loose = {number: words for number, one in found.items() if (words := contact_words(one))}
+    free, length = (
+        sum(getattr(one, name) for one in found.values()) for name in ("free_length", "length")
+    )
+    yield Fact(
+        "contact",
+        after=free,
+        unit="mm",
+        words=f"{CONTACT}: {of_each(loose, len(stents) > 1)}." if loose else "",
+        level=GLANCE,
+        few=f"{free:.0f} mm off" if free > 0 else ALL_ROUND,
+        hand=f"off the wall over {free:.0f} of {length:.0f} mm" if free > 0 else "",
+        tile=CONTACT,
+        beneath=f"of {length:.0f} mm",
+    )
+
+
+def of_each(words: Mapping[int, str], is_numbered: bool | None = None) -> str:
+    """What there is of stents by number; of one alone without it."""
+    is_numbered = len(words) > 1 if is_numbered is None else is_numbered
+    told = [f"stent {one}: {said}" if is_numbered else said for one, said in words.items()]
+    return listed(told, "; ")

@@ -1,4 +1,5 @@
-"""How a result was made: of which files, by which settings, and what became of the triangles."""
+"""What is told of surfaces: of which files they are, whether they are sound, by which settings a
+result was made of them, and what became of the triangles."""
 
 from __future__ import annotations
 
@@ -8,12 +9,26 @@ from typing import Any
 
 import numpy as np
 
+from ..certificate import SurfaceCheck
+from ..files import SurfaceFile
 from ..geometry import NamedFaces
 from ..lumen import triangle_sizes
 from ..plan import PlanResult, method_parameters
 from ..validation import Floats, Indices
-from .facts import Fact, Facts
+from .facts import LINES, Fact, Facts
 from .words import UNKNOWN, number_text, plain_label, plain_text, point_words
+
+SHOWN = 10
+"""Of triangles, the numbers that are listed in a line."""
+
+_TRIANGLES = {
+    "self_intersecting_triangles": "intersect another one",
+    "inverted_triangles": "are turned over",
+    "flipped_triangles": "are wound against their neighbors",
+    "degenerate_triangles": "have no height",
+    "sliver_triangles": "have an angle below 1 degree, which is no fault",
+}
+"""What faulty ones are said to be, by their keys, in the order in which they are told."""
 
 
 def input_facts(result: PlanResult) -> list[Facts]:
@@ -150,3 +165,49 @@ def _range(spread: Mapping[str, float | None], unit: str, digits: int) -> str:
         number_text(spread[key], digits) for key in ("smallest", "median", "largest")
     )
     return f"{low} to {high}{unit}, median {middle}{unit}"
+
+
+def file_facts(surface: SurfaceFile) -> Facts:
+    """Which file it is, and how much is in it."""
+    return Facts(
+        (
+            Fact("file", after=os.fspath(surface.path)),
+            Fact("sha256", after=surface.sha256),
+            Fact("points", after=len(surface.points)),
+            Fact("triangles", after=surface.surface.made_of),
+            Fact("units", after=surface.units),
+        )
+    )
+
+
+def check_facts(surface: SurfaceFile, check: SurfaceCheck) -> Facts:
+    """Whether a surface is sound, and what it lacks."""
+    found, verdict = check.as_dict(), check.sentence(surface.units)
+    size = (
+        f"{len(surface.points)} points, {surface.surface.made_of} triangles, "
+        f"{found['components']} connected part(s), {found['boundary_edges']} boundary edges."
+    )
+    cautions = (*surface.warnings, *check.cautions())
+    warnings = [one.sentence(units=surface.units) for one in cautions]
+    faults = [
+        Fact(words=_numbered(f"{len(found[key])} triangles {words}", found[key]), level=LINES)
+        for key, words in _TRIANGLES.items()
+        if found[key]
+    ]
+    return Facts(
+        (
+            *file_facts(surface),
+            Fact("passed", after=check.passed),
+            Fact("sentence", after=verdict, words=verdict, level=LINES),
+            *(Fact(key, after=value) for key, value in found.items()),
+            Fact(words=size, level=LINES),
+            *faults,
+            Fact("warnings", after=warnings),
+            *(Fact(words=f"warning: {one}", level=LINES) for one in warnings),
+        )
+    )
+
+
+def _numbered(words: str, numbers: list[int]) -> str:
+    more = ", ..." if len(numbers) > SHOWN else ""
+    return f"{words}: {', '.join(map(str, numbers[:SHOWN]))}{more}"

@@ -1,10 +1,10 @@
-"""Diameters along a line as table and document, and the facts of what a stent did to them."""
+"""Facts of diameters along a line, and of what a stent did to them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from ..lumen import DiameterProfile
 from ..treatment import TreatedStent, prescribed_diameters
 from ..units import MILLIMETERS
 from ..validation import Floats, Points, coordinates
-from .facts import COMPARED, GLANCE, LINES, Fact, width
+from .facts import COMPARED, GLANCE, LINES, Fact, Facts, width
 from .words import UNKNOWN, millimeters
 
 LUMEN = "Narrowest lumen"
@@ -31,42 +31,45 @@ class MeasuredLine(NamedTuple):
     profile: DiameterProfile
 
 
-def diameter_table(line: MeasuredLine, units: str) -> str:
-    """Lines of text; the ends are in the unit of the file."""
-    profile = line.profile
-    ends = " to ".join(filed_point(line.line.points[end], units) for end in (0, -1))
-    rows = [
-        f"{line.title}: {line.line.length:.1f} mm, from {ends} {units}",
-        "  at (mm)  inscribed (mm)  equivalent (mm)",
-    ]
-    for at, *diameters in zip(
-        profile.arc_length, profile.inscribed_diameter, profile.equivalent_diameter, strict=True
-    ):
-        inscribed, equivalent = map(_cell, diameters)
-        rows.append(f"{at:9.1f}  {inscribed:>14}  {equivalent:>15}")
-    if math.isfinite(profile.minimum):
-        rows.append(
-            f"  inscribed: narrowest {profile.minimum:.2f} mm at {profile.minimum_arc_length:.1f} "
-            f"mm, mean {profile.mean:.2f} mm, widest {profile.maximum:.2f} mm"
+def line_facts(line: MeasuredLine, units: str = "mm") -> Facts:
+    """What was measured along a line, at every place; `units` are those of the file."""
+    profile, points = line.profile, line.line.points
+    ends = " to ".join(filed_point(points[end], units) for end in (0, -1))
+    words = f"{line.title}: {line.line.length:.1f} mm, from {ends} {units}"
+    lowest = (
+        f"inscribed: narrowest {profile.minimum:.2f} mm at {profile.minimum_arc_length:.1f} mm, "
+        f"mean {profile.mean:.2f} mm, widest {profile.maximum:.2f} mm"
+    )
+    return Facts(
+        (
+            Fact("_head", words=words),
+            Fact("title", after=line.title),
+            Fact("start_mm", after=points[0]),
+            Fact("end_mm", after=points[-1]),
+            Fact("length_mm", after=line.line.length),
+            Fact("arc_length_mm", "at", after=profile.arc_length, unit="mm"),
+            Fact("inscribed_mm", "inscribed", after=profile.inscribed_diameter, unit="mm"),
+            Fact("equivalent_mm", "equivalent", after=profile.equivalent_diameter, unit="mm"),
+            Fact("minimum_mm", after=profile.minimum),
+            Fact("mean_mm", after=profile.mean),
+            Fact("maximum_mm", after=profile.maximum),
+            Fact("_lowest", words=lowest if math.isfinite(profile.minimum) else ""),
         )
-    return "\n".join([*rows, ""])
+    )
 
 
-def diameter_section(line: MeasuredLine) -> dict[str, Any]:
-    """As values of JSON."""
-    profile = line.profile
-    return {
-        "title": line.title,
-        "start_mm": line.line.points[0],
-        "end_mm": line.line.points[-1],
-        "length_mm": line.line.length,
-        "arc_length_mm": profile.arc_length,
-        "inscribed_mm": profile.inscribed_diameter,
-        "equivalent_mm": profile.equivalent_diameter,
-        "minimum_mm": profile.minimum,
-        "mean_mm": profile.mean,
-        "maximum_mm": profile.maximum,
-    }
+def diameter_table(facts: Facts) -> str:
+    """Of `line_facts`: lines of text, a row per place."""
+    columns = [one for one in facts if one.label]
+    heads = [f"{one.label} ({one.unit})" for one in columns]
+    digits = [1, *[2] * (len(columns) - 1)]
+    rows = [facts.named("_head").words, f"  {'  '.join(heads)}"]
+    for values in zip(*(one.after for one in columns), strict=True):
+        cells = map(_cell, values, digits)
+        aligned = (cell.rjust(len(head)) for cell, head in zip(cells, heads, strict=True))
+        rows.append(f"  {'  '.join(aligned)}")
+    lowest = facts.named("_lowest").words
+    return "\n".join([*rows, *([f"  {lowest}"] if lowest else []), ""])
 
 
 def filed_point(point: Points, units: str) -> str:
@@ -74,8 +77,8 @@ def filed_point(point: Points, units: str) -> str:
     return coordinates(point / MILLIMETERS[units])
 
 
-def _cell(value: float) -> str:
-    return f"{value:.2f}" if math.isfinite(value) else "-"
+def _cell(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if math.isfinite(value) else "-"
 
 
 def prescribed_words(treated: TreatedStent) -> str:

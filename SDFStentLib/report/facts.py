@@ -18,6 +18,16 @@ GLANCE, COMPARED, LINES, DETAILS = LEVELS = range(4)
 plans; in the lines of shell and panel; in the report only. It is told in all later places, too."""
 
 
+class Tile(NamedTuple):
+    """One quantity of a result: its value large, its name small, before and reference beneath."""
+
+    name: str
+    value: str
+    beneath: str = ""
+    is_caution: bool = False
+    """Whether it has to be known before one relies on the others."""
+
+
 class Fact(NamedTuple):
     """One quantity of a result."""
 
@@ -45,6 +55,14 @@ class Fact(NamedTuple):
     """and on its tile."""
     worst: Callable[..., Any] = min
     """Which of several stents a tile tells: that with the smallest value, or the largest, `max`."""
+    few: str = ""
+    """The value in few words, with its unit, where these are not the number to a tenth."""
+    hand: str | None = None
+    """The line beside the stent, where that is not its name and values; empty for none."""
+    beneath: str | None = None
+    """What stands beneath the value on its tile, where that is not the one before and the note."""
+    is_caution: bool = False
+    """Whether it has to be known before one relies on the others."""
 
     @property
     def change(self) -> str:
@@ -64,18 +82,25 @@ class Fact(NamedTuple):
         return {self.was, self.words} != {UNKNOWN}
 
     @property
-    def at_hand(self) -> str:
-        """The line beside a stent."""
-        return f"{self.short or self.label} {' -> '.join(self._rounded)} {self.unit}"
+    def in_few(self) -> str:
+        """The value on tiles, and where there is little room."""
+        return self.few or f"{self._rounded[-1]} {self.unit}"
 
     @property
-    def tiled(self) -> tuple[str, str, str]:
-        """Name, value, and what stands beneath it, where a unit that ends the note stands once."""
-        *before, value = self._rounded
+    def at_hand(self) -> str:
+        """The line beside a stent."""
+        if self.hand is not None:
+            return self.hand
+        values = self.few or f"{' -> '.join(self._rounded)} {self.unit}"
+        return f"{self.short or self.label} {values}"
+
+    @property
+    def tiled(self) -> Tile:
+        """Its tile; a unit that ends the note stands once beneath it."""
         unit = "" if self.note.endswith(f" {self.unit}") else f" {self.unit}"
-        was = "".join(f"before {one}{unit}" for one in before)
-        beneath = f"{was}{self.note}".removeprefix(", ")
-        return self.tile or self.label, f"{value} {self.unit}", beneath
+        was = "".join(f"before {one}{unit}" for one in self._rounded[:-1])
+        beneath = f"{was}{self.note}".removeprefix(", ") if self.beneath is None else self.beneath
+        return Tile(self.tile or self.label, self.in_few, beneath, self.is_caution)
 
     @property
     def _rounded(self) -> list[str]:
@@ -150,6 +175,16 @@ class Facts(tuple[Fact, ...]):
 
     def _labeled(self) -> Iterable[Fact]:
         return (one for one in self if one.label and one.words)
+
+
+LISTED = 4
+"""Of stents, lesions and branches each; of more the number is told."""
+
+
+def listed(words: Sequence[str], between: str = ", ") -> str:
+    """The first of some words, and how many more there are."""
+    more = len(words) - LISTED
+    return between.join([*words[:LISTED], *([f"and {more} more"] if more > 0 else [])])
 
 
 def size(key: str, label: str, value: float | None, digits: int = 2, **more: Any) -> Fact:

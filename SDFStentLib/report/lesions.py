@@ -14,9 +14,12 @@ from ..treatment import Residual, TreatedLesion
 from ..units import MILLIMETERS
 from ..validation import coordinates
 from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
-from .facts import Fact, Facts, size
+from .facts import LINES, Fact, Facts, size
 from .markup import facts_table, heading, paragraph
-from .words import UNKNOWN, degree_text, degrees_text, millimeters, point_words
+from .words import UNKNOWN, degree_text, degree_word, degrees_text, millimeters, point_words
+
+SHOWN = 5
+"""Lesions that are listed where there are many."""
 
 LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
 NO_LESION = f"No lesion of {LEAST} was found."
@@ -85,7 +88,8 @@ def _facts(number: int, one: Lesion, units: str) -> Iterator[Fact]:
     yield Fact("units", after=units, column="units")
     yield Fact("extent.start_mm", after=one.start)
     yield Fact("extent.end_mm", after=one.end)
-    yield size("extent.length_mm", "length", one.length, 1, column="length_mm")
+    few = f"{one.length:.0f} mm"
+    yield size("extent.length_mm", "length", one.length, 1, column="length_mm", few=few)
     yield Fact("path_mm", after=one.line.points)
     minimum, reference = one.minimum_diameter, one.reference_diameter
     column = "minimum_diameter_mm"
@@ -98,6 +102,7 @@ def _facts(number: int, one: Lesion, units: str) -> Iterator[Fact]:
         after=one.percent_diameter,
         words=degree_text(one.percent_diameter),
         column="percent_diameter",
+        few=degree_word(one.percent_diameter),
     )
     yield Fact("minimum.area_mm2", after=one.minimum_area, column="minimum_area_mm2")
     yield Fact("reference.area_mm2", after=one.reference_area, column="reference_area_mm2")
@@ -107,6 +112,14 @@ def _facts(number: int, one: Lesion, units: str) -> Iterator[Fact]:
         width = side.diameter if side else math.nan
         yield Fact(after=width, column=f"{name}_diameter_mm")
     yield Fact("reference.words", after=one.reference, column="reference")
+    words = (
+        f"Lesion {number}: {degrees_text(one.percent_diameter, one.percent_area)}; "
+        f"{one.branch_name}, {one.arc_length:.1f} mm from the proximal end, at "
+        f"{coordinates(place / MILLIMETERS[units])} {units}; {one.length:.1f} mm long; minimum "
+        f"{minimum:.2f} mm against {reference:.2f} mm."
+    )
+    yield Fact("_whole", words=words, level=LINES)
+    yield Fact("_reference", words=f"Reference: {one.reference}.", level=LINES)
 
 
 def _healthy(place: HealthyPlace | None) -> dict[str, Any] | None:
@@ -148,37 +161,34 @@ def degree_fact(treated: TreatedLesion, kind: str = "diameter") -> Fact:
     return Fact("", label, was, left, "", degree_text(left), degree_text(was))
 
 
-def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[str, str]:
-    """A lesion in two sentences: what it is, and what it is measured against."""
-    place = coordinates(np.array(lesion.point) / MILLIMETERS[units])
-    return (
-        f"Lesion {number}: {degrees_text(lesion.percent_diameter, lesion.percent_area)}; "
-        f"{lesion.branch_name}, "
-        f"{lesion.arc_length:.1f} mm from the proximal end, at {place} {units}; "
-        f"{lesion.length:.1f} mm long; minimum {lesion.minimum_diameter:.2f} mm against "
-        f"{lesion.reference_diameter:.2f} mm.",
-        f"Reference: {lesion.reference}.",
-    )
-
-
-def lesion_list(
+def lesion_lines(
     lesions: Sequence[Lesion],
     units: str = "mm",
     smallest: float = SMALL_VESSEL,
-    remedy: str = "",
+    remedies: tuple[str, str] = ("", ""),
+    most: int | None = None,
 ) -> list[str]:
-    """The lesions as lines of text, or that there is none; those in small vessels are counted.
+    """The lesions for the shell, or that there is none; those in small vessels are counted.
 
-    `remedy` says how they are listed.
+    Where that takes `most` lines or more, only what the first ones are. `remedies` say how small
+    ones are listed, and how all.
     """
-    lines = []
     large, small = lesions_by_size(lesions, smallest)
+    below = f"in vessels below {smallest:g} mm"
+    # Sections are cut for every sentence, so only those that are told are made.
+    if most is not None and 2 * len(large) + bool(small) >= most:
+        told = [lesion_facts(one, lesions[one - 1], units).sentences[0] for one in large[:SHOWN]]
+        count = len(large[SHOWN:]) + len(small)
+        of_them = f", {len(small)} of them {below}" if small else ""
+        more = f"{count} more{of_them}: " if count else ""
+        return [*told, more + remedies[1]]
+    lines = []
     for number in large:
-        first, second = lesion_sentences(number, lesions[number - 1], units)
+        first, second = lesion_facts(number, lesions[number - 1], units).sentences
         lines += [first, f"  {second}"]
     if small:
         more = "more " if large else ""
-        lines.append(f"{len(small)} {more}in vessels below {smallest:g} mm{remedy}.")
+        lines.append(f"{len(small)} {more}{below}{remedies[0]}.")
     return lines or [NO_LESION]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..simulation import UNSTEADY, CaseResult, Found, Prepared, Simulated
+from ..simulation import UNSTEADY, CaseResult, Found, Prepared, Simulated, state_section
 from .facts import Fact, Facts
 from .html import file_part
 from .markup import Moments, beginning, moments_table, notes_part, page
@@ -42,19 +42,22 @@ NO_COARSE = "The coarser mesh was not solved: nothing tells how far the mesh dec
 
 def mesh_sentences(prepared: Prepared) -> list[str]:
     """What the shell says of the meshes, before and after."""
-    said = []
-    for name, state in prepared.states.items():
-        mesh = state.meshes["fine"]
-        said.append(
-            f"{name.capitalize()}: {mesh.quality.tetrahedra} tetrahedra, angles from "
-            f"{mesh.quality.smallest_angle:.0f} to {mesh.quality.largest_angle:.0f} degrees, "
-            f"{mesh.edges_round} edges round the throat of {2 * state.throat.radius:.2f} mm, the "
-            f"wall within {mesh.made.deviation:.3f} mm; no layers along the wall."
-        )
+    said = [_mesh_words(name, state_section(one)) for name, one in prepared.states.items()]
     said += _pressure_words(prepared.level)
     for name, by in prepared.extensions.items():
         said.append(f"{name}: {by:.1f} mm of straight tube stand for vessel that is missing.")
     return said
+
+
+def _mesh_words(name: str, state: Section) -> str:
+    """Of the fine mesh of a state, as its document has it."""
+    mesh = state["meshes"]["fine"]
+    return (
+        f"{name.capitalize()}: {mesh['tetrahedra']} tetrahedra, angles from "
+        f"{mesh['smallest_angle']:.0f} to {mesh['largest_angle']:.0f} degrees, "
+        f"{mesh['edges_round_throat']} edges round the throat of {state['throat_mm']:.2f} mm, the "
+        f"wall within {mesh['wall_off_mm']:.3f} mm; no layers along the wall."
+    )
 
 
 def _pressure_words(level: float | None) -> list[str]:
@@ -179,9 +182,7 @@ def _facts(document: Section, states: Sequence[Section]) -> Iterator[Fact]:
         known = [band_words(one[network]) for one in networks if one and network]
         yield _fact(label, [_with_error(one[key]) for one in states], "mmHg", known)
     for name in states[0]["outlets"]:
-        flows = [f"{one['outlets'][name]['flow_ml_s']:.3g}" for one in states]
-        known = [f"{one['outlets_ml_s'][name]:.3g}" for one in networks if one]
-        yield _fact(f"flow through {name}", flows, "mL/s", known)
+        yield _through(name, states, [one["outlets_ml_s"][name] for one in networks if one])
     for label, key in (("mean", "shear_mean_pa"), ("99th percentile", "shear_high_pa")):
         yield _fact(f"wall shear, {label}", [_with_error(one[key]) for one in states], "Pa")
 
@@ -191,6 +192,15 @@ def _fact(label: str, words: Sequence[str], unit: str, network: Sequence[str] = 
     was, after = (f"{one} {unit}" for one in words)
     note = f" [network {' -> '.join(network)} {unit}]" if network else ""
     return Fact(label=label, unit=unit, words=after, was=was, note=note)
+
+
+def _through(name: str, states: Sequence[Section], network: Sequence[float]) -> Fact:
+    """The flow out of the vessel through a face, or into it through a further inlet."""
+    flows = [one["outlets"][name]["flow_ml_s"] for one in states]
+    is_inlet = max(flows) < 0
+    each, known = ([-one if is_inlet else one for one in some] for some in (flows, network))
+    label = f"flow {'in ' if is_inlet else ''}through {name}"
+    return _fact(label, [f"{one:.3g}" for one in each], "mL/s", [f"{one:.3g}" for one in known])
 
 
 def _with_error(one: Section) -> str:
@@ -205,11 +215,7 @@ def _notes(found: Simulated) -> Iterator[str]:
     if len(found.coarse) < len(found.fine):
         yield NO_COARSE
     for name, result in found.fine.items():
-        mesh = found.document["states"][name]["meshes"]["fine"]
-        yield (
-            f"{name.capitalize()}: {mesh['tetrahedra']} tetrahedra, {mesh['edges_round_throat']} "
-            f"edges round the throat, the wall within {mesh['wall_off_mm']:.3f} mm."
-        )
+        yield _mesh_words(name, found.document["states"][name])
         if result.peak is None and result.spread > UNSTEADY:
             yield (
                 f"{name.capitalize()}: the flow did not become steady, the inlet pressure still "

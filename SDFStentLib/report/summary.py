@@ -1,22 +1,27 @@
-"""A deployment in a few lines, as a cardiologist reads it; the report has the rest."""
+"""What is told of a whole deployment, and its few lines, as a cardiologist reads them; the report
+has the rest."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ..plan import PlanResult, Today
-from ..treatment import (
-    BranchBeside,
-    Residual,
-    TreatedLesion,
-    TreatedStent,
-    branches_beside,
-    label_of,
+import numpy as np
+
+from ..cautions import Caution, by_gravity
+from ..certificate import (
+    CERTIFIED,
+    CERTIFIED_IN_PIECES,
+    CERTIFIED_OPEN,
+    NOT_CERTIFIED,
+    NOT_READY,
+    Certificate,
 )
-from .branches import CONTACT, NONE_NEAR, contact_words
-from .facts import GLANCE, LINES, Fact, Facts
+from ..plan import PlanResult, Today
+from ..treatment import TreatedLesion, TreatedStent, label_of, residual_of
+from .branches import branches_fact, contact_fact, of_each
+from .facts import GLANCE, LINES, Fact, Facts, listed
 from .flow import flow_line, flow_section, flow_sentences
 from .lesions import (
     COVERS_NONE,
@@ -26,10 +31,37 @@ from .lesions import (
     stent_lesion_sentences,
 )
 from .stents import stent_facts
-from .words import UNKNOWN
+from .words import UNKNOWN, degree_word, number_text
 
-LISTED = 4
-"""Of stents, lesions and branches each; of more the number is told."""
+UNCOVERED = "no lesion covered"
+WARNING = "warning: "
+"""What a line begins with that tells of one: whoever colors lines goes by that."""
+
+WARNINGS = "Warnings"
+STENOSIS, SURFACE = "Stenosis left", "Surface"
+"""On tiles."""
+
+_OF_SURFACE = {
+    CERTIFIED: (CERTIFIED, ""),
+    CERTIFIED_OPEN: (CERTIFIED, "once its openings are closed"),
+    CERTIFIED_IN_PIECES: (CERTIFIED, "once its points are merged"),
+    NOT_READY: ("not ready for a mesher", "no worse than before"),
+    NOT_CERTIFIED: (NOT_CERTIFIED, ""),
+}
+"""Its tile, by the word of the certificate."""
+
+_SHORT = {
+    "hangs-free": "hangs free over {free_mm:.0f} of {length_mm:.0f} mm",
+    "lesion-uncovered": "lesion {lesion} uncovered over {uncovered_mm:.1f} mm",
+    "overdilated": "overdilated {times:.1f} x",
+    "shortened": "shortened to {available_mm:.1f} mm",
+    "narrower": "{percent:.0f} % narrower than prescribed",
+    "narrowed": "narrowed to {minimum_mm:.1f} mm by later stents",
+    "neighbor-narrowed": "{name} narrowed {before_mm:.1f} -> {after_mm:.1f} mm",
+    "overlap": "overlap of {length_mm:.1f} mm",
+    "ratio-stenosis": "balloon {ratio:.1f} x as wide as the stenosis",
+}
+"""Of a warning in a line; others are called by their kind."""
 
 
 class Summary(NamedTuple):
@@ -44,17 +76,19 @@ def deployment_summary(result: PlanResult) -> Summary:
     """The stents, and what came of them: lumen, stenosis, branches and contact."""
     stents = result.told.stents
     facts = {one.number: stent_facts(one, result.lesions) for one in stents}
+    stenosis, *beside = (one.words for one in outcome_facts(stents, result.lesions))
+    # In one line where pressures, which were asked for, need the other.
+    flow = [] if result.flow is None else [flow_line(flow_section(result.flow))]
     lines = [
         *(today_facts(result.today).sentences if result.today else ()),
         *_at_a_glance([facts[one.number] for one in _final(stents)], len(stents) > 1),
-        _stenosis(result.lesions, result.residual),
-        *_told(stents, result),
+        stenosis,
+        *([" ".join(filter(None, beside))] if flow else beside),
+        *flow,
+        surface_fact(result.treatment.certificate, result.inputs.surface.units).words,
     ]
-    certificate = result.treatment.certificate
-    if certificate is not None:
-        lines.append(certificate.sentence(result.inputs.surface.units))
     deployed = {number: one.named("_deployed").words for number, one in facts.items()}
-    return Summary(f"Deployed: {_of_each(deployed)}.", lines)
+    return Summary(f"Deployed: {of_each(deployed)}.", [*filter(None, lines)])
 
 
 def deployment_sentences(result: PlanResult) -> Iterator[str]:
@@ -65,8 +99,8 @@ def deployment_sentences(result: PlanResult) -> Iterator[str]:
         yield from (label + line for line in stent_lines(stent, result.lesions))
     if result.flow is not None:
         yield from flow_sentences(flow_section(result.flow))
-    if result.treatment.certificate is not None:
-        yield result.treatment.certificate.sentence(result.inputs.surface.units)
+    certificate = surface_fact(result.treatment.certificate, result.inputs.surface.units)
+    yield from filter(None, [certificate.words])
 
 
 def stent_lines(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) -> list[str]:
@@ -88,79 +122,12 @@ def _at_a_glance(stents: Sequence[Facts], are_several: bool) -> Iterator[str]:
             for fact in one.at(GLANCE)
             if fact.label == label
         }
-        yield f"{label}: {_of_each(found, are_several)}."
-
-
-def _told(stents: Sequence[TreatedStent], result: PlanResult) -> list[str]:
-    """Branches and contact, in one line where pressures, which were asked for, need the other."""
-    loose = {one.number: words for one in stents if (words := contact_words(one.apposition))}
-    contact = _of_each(loose, len(stents) > 1)
-    beside = [_branches(stents), *([f"{CONTACT}: {contact}."] if contact else [])]
-    if result.flow is None:
-        return beside
-    return [" ".join(beside), flow_line(flow_section(result.flow))]
-
-
-def _of_each(words: Mapping[int, str], is_numbered: bool | None = None) -> str:
-    """What there is of stents by number; of one alone without it."""
-    is_numbered = len(words) > 1 if is_numbered is None else is_numbered
-    told = [f"stent {one}: {said}" if is_numbered else said for one, said in words.items()]
-    return _listed(told, "; ")
+        yield f"{label}: {of_each(found, are_several)}."
 
 
 def _final(stents: Sequence[TreatedStent]) -> list[TreatedStent]:
     """Those that lie in the vessel in the end; one dilated again does as the later one."""
     return [one for one in stents if one.again is None]
-
-
-def _listed(words: Sequence[str], between: str = ", ") -> str:
-    more = len(words) - LISTED
-    return between.join([*words[:LISTED], *([f"and {more} more"] if more > 0 else [])])
-
-
-def _stenosis(lesions: Sequence[TreatedLesion] | None, residual: Residual | None) -> str:
-    if lesions is None:
-        return NOT_LOOKED_FOR
-    covered = [one for one in lesions if one.stents]
-    if not covered:
-        return COVERS_NONE
-    left = "" if residual is None else f" {residual_facts(residual).named('words')}."
-    return f"Stenosis by diameter: {_listed([degree_change(one) for one in covered], '; ')}.{left}"
-
-
-def _branches(stents: Sequence[TreatedStent]) -> str:
-    """Which side branches are covered or narrowed."""
-    every = branches_beside(stents)
-    several = len(stents) > 1
-    lumens = [(_called(one, several), one.lumen) for one in every if one.lumen is not None]
-    lumens += [(near.name, near) for one in stents for near in one.neighbors if not near.is_branch]
-    covered = [
-        _called(one, several, one.ostium.coverage.removesuffix(" covered"))
-        for one in every
-        if not one.ostium.is_free
-    ]
-    narrowed = [
-        f"{name} {near.before:.2f} -> {near.after:.2f} mm"
-        for name, near in lumens
-        if near.is_narrowed
-    ]
-    lost = [name for name, near in lumens if math.isnan(near.after) and not math.isnan(near.before)]
-    if not every and not narrowed and not lost:
-        return NONE_NEAR
-    words = [*_kind("covered", covered), *_kind("narrowed", narrowed)]
-    words += _kind(f"with a lumen that is {UNKNOWN}", lost)
-    return f"Branches: {'; '.join(words) or f'none of {len(every)} is covered or narrowed'}."
-
-
-def _called(branch: BranchBeside, of_several: bool, coverage: str = "") -> str:
-    """A branch, with the stent from which its place counts where there are several."""
-    stent = f"stent {branch.nearest}" if of_several else ""
-    said = ", ".join(filter(None, (stent, coverage)))
-    return f"{branch.ostium.name} ({said})" if said else branch.ostium.name
-
-
-def _kind(what: str, names: Sequence[str]) -> Iterable[str]:
-    return [f"{len(names)} {what}: {_listed(names)}"] if names else []
 
 
 def today_facts(today: Today) -> Facts:
@@ -196,4 +163,110 @@ def today_facts(today: Today) -> Facts:
             Fact("lesions", after=None if today.lesions is None else lesions),
             Fact("sentences", after=[sentence], words=sentence, level=LINES),
         )
+    )
+
+
+def outcome_facts(
+    stents: Sequence[TreatedStent],
+    lesions: Sequence[TreatedLesion] | None,
+    every: Sequence[TreatedStent] = (),
+) -> Facts:
+    """What came of some stents, apart from their lumen; a sentence each, and its few words.
+
+    Parameters
+    ----------
+    stents : sequence of TreatedStent
+        At least one: those of which is told.
+    lesions : sequence of TreatedLesion or None
+        Of the vessel; None where none were looked for.
+    every : sequence of TreatedStent
+        All of the treatment, where these are only some.
+    """
+    stenosis = _stenosis(stents, lesions, every or stents)
+    return Facts((stenosis, branches_fact(stents), *contact_fact(stents)))
+
+
+def _stenosis(
+    stents: Sequence[TreatedStent],
+    lesions: Sequence[TreatedLesion] | None,
+    every: Sequence[TreatedStent],
+) -> Fact:
+    """The worst lesion that the stents cover, and what is left in its vessel, wherever that is; of
+    stents that cover none the lesion beside them."""
+    if not lesions:
+        words = NOT_LOOKED_FOR if lesions is None else COVERS_NONE
+        return _left(math.nan, words, "", "no lesions are known")
+    numbers = {one.number for one in stents}
+    covered = [one for one in lesions if numbers.intersection(one.stents)]
+    left = residual_of(lesions, every)
+    if not covered or left is None:
+        beside = _nearest_lesion(stents, lesions)
+        percent = beside.after.percent_diameter
+        hand = f"{UNCOVERED}; lesion {beside.number}: {degree_word(percent)} left"
+        beneath = f"{UNCOVERED}; that of lesion {beside.number}"
+        return _left(percent, COVERS_NONE, hand, beneath)._replace(is_caution=True)
+    before = degree_word(max(one.before.percent_diameter for one in covered))
+    words = listed([degree_change(one) for one in covered], "; ")
+    words = f"Stenosis by diameter: {words}. {residual_facts(left).named('words')}."
+    hand = f"stenosis {before} -> {degree_word(left.percent)}"
+    beneath = f"before {before}, healthy {number_text(left.reference, 1)} mm"
+    return _left(left.percent, words, hand, beneath)
+
+
+def _left(percent: float, words: str, hand: str, beneath: str) -> Fact:
+    return Fact(
+        "stenosis",
+        after=percent,
+        words=words,
+        level=GLANCE,
+        few=degree_word(percent),
+        hand=hand,
+        tile=STENOSIS,
+        beneath=beneath,
+    )
+
+
+def _nearest_lesion(
+    stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]
+) -> TreatedLesion:
+    points = np.array([one.after.point for one in lesions])
+    apart = [one.axis.line.nearest(points).distances for one in stents]
+    return lesions[int(np.min(apart, axis=0).argmin())]
+
+
+def surface_fact(certificate: Certificate | None, units: str = "mm") -> Fact:
+    """Whether the surface may be meshed as it is; None where no certificate was asked for."""
+    word = NOT_CERTIFIED if certificate is None else certificate.word
+    is_certified = certificate is not None and certificate.passed
+    few, beneath = _OF_SURFACE[word]
+    return Fact(
+        "surface",
+        after=is_certified,
+        words="" if certificate is None else certificate.sentence(units),
+        level=GLANCE,
+        few=few,
+        hand=word,
+        tile=SURFACE,
+        beneath=beneath,
+        is_caution=not is_certified,
+    )
+
+
+def warning_facts(cautions: Sequence[Caution]) -> Iterator[Fact]:
+    """How many warnings there are, and of what, the gravest first; nothing without any."""
+    if not cautions:
+        return
+    ordered = by_gravity(cautions)
+    first, more = ordered[0], len(ordered) - 1
+    words = _SHORT.get(first.kind, first.kind.replace("-", " ")).format_map(first.numbers)
+    topics = dict.fromkeys(one.kind.replace("-", " ") for one in ordered)
+    yield Fact(
+        "warnings",
+        after=len(ordered),
+        level=GLANCE,
+        few=str(len(ordered)),
+        hand=f"{WARNING}{words}{f', {more} more' if more else ''}",
+        tile=WARNINGS,
+        beneath=", ".join(topics),
+        is_caution=True,
     )

@@ -6,6 +6,7 @@ from .conditions import End as End
 from .folder import DOCUMENT as DOCUMENT
 from .folder import FILES as FILES
 from .folder import Origin as Origin
+from .folder import state_section as state_section
 from .folder import write_cases as write_cases
 from .prepared import Cut as Cut
 from .prepared import Mesh as Mesh

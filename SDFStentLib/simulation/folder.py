@@ -203,11 +203,12 @@ def _document(prepared: Prepared, origin: Origin) -> dict[str, Any]:
         "way_mm": Line(prepared.way).resampled(SPACING).points.tolist(),
         "extensions_mm": prepared.extensions,
         "network_mmhg": {name: dict(told) for name, told in prepared.network.items()},
-        "states": {name: _state(state) for name, state in prepared.states.items()},
+        "states": {name: state_section(state) for name, state in prepared.states.items()},
     }
 
 
-def _state(state: State) -> dict[str, Any]:
+def state_section(state: State) -> dict[str, Any]:
+    """A state of the vessel as it stands in the document: ends, walls and meshes."""
     inlet, *others = state.conditions.ends
     return {
         "inflow_ml_s": -inlet.flow,
