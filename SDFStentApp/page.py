@@ -23,6 +23,7 @@ from SDFStentLib.files import write_bytes
 from . import python_layer
 from .application import MrmlApplication
 from .charts import opacity_of, plot_of, table_of
+from .desktop import AsyncTimer, PageDesktop
 from .exports import NAMES, exported, zipped_folder
 from .files import (
     PLANS,
@@ -88,7 +89,6 @@ class Page:
         self.server, self.opening = server, opening
         self.application = MrmlApplication()
         python_layer.install(self.application)
-        self._dialog = python_layer.FileDialog
         self.view = PageView(self.application, self._on_click)
         self.workshop = tempfile.TemporaryDirectory(prefix="sdfstent-")
         self.home = Path(opening.get("kept") or self.workshop.name)
@@ -294,7 +294,7 @@ class Page:
         self.take_edits()
 
         def press() -> None:
-            with self._dialog.answering(self.folders.existing(path)):
+            with PageDesktop.answering(self.folders.existing(path)):
                 self.panel.widgets[name].click()
 
         with self.server.state as state:
@@ -468,7 +468,7 @@ class Page:
         folder = Path(tempfile.mkdtemp(dir=self.workshop.name))
         self._unseen.append(str(folder))
         answer = folder / WRITES_FILE[name][0] if writer is None else folder
-        with self._dialog.answering(answer):
+        with PageDesktop.answering(answer):
             self.click(name)
         self._later(self._gathered(name, writer, folder))
 
@@ -542,10 +542,11 @@ class Page:
 
 def _panel(folder: Path) -> Any:
     """The module's own panel, set up and entered. Its folder is already on Python's path."""
-    from SDFStentSlicer import Clock
+    from SDFStentSlicer import Clock, Desktop
     from SDFStentSlicer.Widget import SDFStentWidget
 
-    Clock.use(python_layer.AsyncTimer)
+    Clock.use(AsyncTimer)
+    Desktop.use(PageDesktop)
     slicer.util.modulePath = lambda _name: str(folder / "SDFStent.py")
     layout = SimpleNamespace(addWidget=lambda _widget: None)
     widget = SDFStentWidget(SimpleNamespace(layout=lambda: layout, isEntered=True))

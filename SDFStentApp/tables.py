@@ -6,17 +6,18 @@ from typing import Any
 
 from .widgets import Widget, shown
 
-CHECKED, UNCHECKED = 2, 0
-CAN_BE_EDITED, CAN_BE_CHECKED = 2, 16
 LONGEST = 200
 """Largest number of characters that can be typed into a cell."""
 
 
 class TableItem:
-    """A cell, as `QTableWidgetItem` is used."""
+    """A cell, as the panel uses Qt's; `is_checked` is None if it has no box to check."""
 
-    def __init__(self, text: str = "") -> None:
-        self._text, self._tip, self._flags, self._check = text, "", 0, UNCHECKED
+    def __init__(
+        self, text: str = "", can_be_edited: bool = False, is_checked: bool | None = None
+    ) -> None:
+        self._text, self._tip = text, ""
+        self.can_be_edited, self.is_checked = can_be_edited, is_checked
         self.table: Table | None = None
         self.place = (-1, -1)
 
@@ -34,14 +35,9 @@ class TableItem:
         self._tip = text
         self._changed()
 
-    def setFlags(self, flags: int) -> None:
-        self._flags = flags
-
-    def checkState(self) -> int:
-        return self._check
-
-    def setCheckState(self, state: int) -> None:
-        self._check = state
+    def check(self, is_checked: bool) -> None:
+        """Set or clear the box."""
+        self.is_checked = is_checked
         self._changed()
 
     def row(self) -> int:
@@ -51,33 +47,14 @@ class TableItem:
         return self.place[1]
 
     def state(self) -> dict[str, Any]:
-        """The item as the page shows it; `check` is None if it has no box to check."""
-        check = self._check == CHECKED if self.canBeChecked else None
+        """The cell as the page shows it."""
         words = {"text": self._text, "tip": self._tip}
-        return {**words, "check": check, "edit": self.canBeEdited}
-
-    @property
-    def canBeChecked(self) -> bool:
-        return bool(self._flags & CAN_BE_CHECKED)
-
-    @property
-    def canBeEdited(self) -> bool:
-        return bool(self._flags & CAN_BE_EDITED)
+        return {**words, "check": self.is_checked, "edit": self.can_be_edited}
 
     def _changed(self) -> None:
         if self.table is not None:
             self.table.tell()
             self.table.emit("itemChanged", self)
-
-
-class Header:
-    """The header of a table, as `QHeaderView` is used: the browser does all of this anyway."""
-
-    def setStretchLastSection(self, _isStretched: bool) -> None:
-        """Do nothing."""
-
-    def setSectionResizeMode(self, *_mode: Any) -> None:
-        """Do nothing."""
 
 
 class Table(Widget):
@@ -90,10 +67,6 @@ class Table(Widget):
         self._rows: list[list[TableItem | None]] = []
         self._selected = self._current = -1
         self._is_under_mouse = False
-
-    def horizontalHeader(self) -> Header:
-        """A header that does nothing: the browser fits the columns."""
-        return Header()
 
     def setRowCount(self, count: int) -> None:
         """Drop rows at the end, or append empty ones."""
@@ -170,9 +143,11 @@ class Table(Widget):
         if len(value) == 2:
             self._select(row)
             self.emit("cellClicked", row, column)
-        elif item is not None and isinstance(value[2], bool) and item.canBeChecked:
-            item.setCheckState(CHECKED if value[2] else UNCHECKED)
-        elif item is not None and isinstance(value[2], str) and item.canBeEdited:
+        elif item is None:
+            return
+        elif isinstance(value[2], bool) and item.is_checked is not None:
+            item.check(value[2])
+        elif isinstance(value[2], str) and item.can_be_edited:
             item.setText(value[2][:LONGEST])
 
     def _place(self, value: Any) -> tuple[int, int] | None:

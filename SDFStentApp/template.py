@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from html import escape
-
 from SDFStentLib.surface_formats import WHOLE_SUFFIXES
-from SDFStentLib.units import MILLIMETERS
 
 from .selectors import NEW, NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
 from .ui_file import Arranged, Placed
-from .view import SIDES
 from .widgets import (
     Button,
     CheckBox,
@@ -142,22 +138,10 @@ def _click(name: str) -> str:
     if name in ASKS_FOR_FILE:
         return f"window.inOrder('ask', ['{name}'])"
     if name in SAVES:
-        return saving(SAVES[name])
+        return f"window.inOrder('save', ['{SAVES[name]}'])"
     if name in (*WRITES_FILE, *WRITES_FOLDER):
         return f"window.inOrder('gather', ['{name}'])"
     return f"window.inOrder('click', ['{name}'])"
-
-
-def saving(kind: str) -> str:
-    """The call that asks the server for a file, which the browser keeps once it is made; if that
-    fails, the page says why."""
-    return f"window.inOrder('save', ['{kind}'])"
-
-
-KEEP = (
-    "trigger('fetch').then(files => files.forEach(f => utils.download(f.name, f.content, f.type)))"
-)
-"""The script with which the browser keeps the files that were made for it."""
 
 
 def _number(widget: Number, common: str, disabled: str) -> str:
@@ -242,144 +226,5 @@ def _table(name: str) -> str:
     )
 
 
-MESSAGE = (
-    '<div class="message" v-show="message" role="alert" data-name="message">{{ message }}</div>'
-)
-
 PATHS = ("surfacePath", "centerlinePath", "chosenPath")
 """State variables that hold the path of a file."""
-
-
-def _upload(variable: str) -> str:
-    """The field for a file of the browser's own machine, beside the field for a path."""
-    words = "A file of this computer; one can be dropped anywhere on the page, too"
-    return f"""<input type="file" data-name="{variable}-upload" title="{words}" aria-label="A file of this computer" \
-@change="window.send('{variable}', $event.target.files)">"""
-
-
-def _units() -> str:
-    return "".join(f"<option>{name}</option>" for name in MILLIMETERS)
-
-
-OPENING = f"""
-<details class="opening" :key="opened" :open="!opened" data-name="opening">
-<summary>Open</summary>
-<div class="row"><button type="button" @click="window.inOrder('demo')" data-name="demoButton">Synthetic patient</button></div>
-<form class="form" @submit.prevent="window.inOrder('open', [surfacePath, centerlinePath, fileUnits])">
-<label class="label" for="surfacePath">Surface:</label>
-<input id="surfacePath" type="text" v-model.lazy="surfacePath" list="surfaces" placeholder="path of a surface, or of a plan">
-<span></span>{_upload("surfacePath")}
-<label class="label" for="centerlinePath">Centerline:</label>
-<input id="centerlinePath" type="text" v-model.lazy="centerlinePath" list="centerlines" placeholder="path of its centerline">
-<span></span>{_upload("centerlinePath")}
-<label class="label" for="fileUnits">Unit:</label>
-<select id="fileUnits" v-model="fileUnits" title="Of both files; a plan names its own.">{_units()}</select>
-<span></span><button type="submit" data-name="openButton">Open</button>
-</form>
-<datalist id="surfaces"><option v-for="path in surfaceFiles" :value="path"></option></datalist>
-<datalist id="centerlines"><option v-for="path in centerlineFiles" :value="path"></option></datalist>
-</details>
-"""
-
-CHOOSER = f"""
-<div class="chooser" v-if="chooser.button" role="dialog" :aria-label="chooser.text" data-name="chooser">
-<form @submit.prevent="window.inOrder('choose', [chooser.button, chosenPath])">
-<label class="label" for="chosenPath">{{{{ chooser.text }}}}</label>
-<input id="chosenPath" type="text" v-model.lazy="chosenPath" list="choices" placeholder="path of the file">
-{_upload("chosenPath")}
-<datalist id="choices"><option v-for="path in chooser.files" :value="path"></option></datalist>
-<button type="submit">OK</button>
-<button type="button" @click="window.inOrder('choose', ['', ''])">Cancel</button>
-</form></div>
-"""
-
-AT_HAND = """
-<div class="hand" :class="[atHand.kind, { aside: pointed }]" v-show="atHand.lines.length" role="status" data-name="atHand">
-<div v-for="line in atHand.lines">{{ line }}</div></div>
-"""
-"""The lines over the view. They move aside while the user points at the plot: the place marked in
-the view may lie beneath them."""
-
-
-KEYS = (
-    ("Left, Right", "move the selected stent by 1 mm along the vessel, with Shift by 0.2"),
-    ("Delete", "take the selected stent away"),
-    ("Up, Down, Enter", "go through the rows of a table, and choose one"),
-    ("Ctrl+Z, Ctrl+Y", "undo and redo"),
-    ("Escape", "end placing, close a question"),
-    ("?", "show these keys"),
-)
-"""Keys, and what they do."""
-
-HELP = (
-    '<dialog class="keys" data-name="keys" aria-label="Keys"><dl>'
-    + "".join(f"<dt>{keys}</dt><dd>{words}</dd>" for keys, words in KEYS)
-    + '</dl><form method="dialog"><button type="submit">Close</button></form></dialog>'
-)
-"""The dialog that shows the keys."""
-
-SAID = '<div class="said" v-show="said" role="status" data-name="said">{{ said }}</div>'
-"""The latest message, over the view, where it is seen whatever part of the panel is shown."""
-
-
-def bar() -> str:
-    """The buttons of the view."""
-    sides = "".join(
-        f'<button type="button" title="View from {side.lower()}" aria-label="View from {side.lower()}" '
-        f"""data-name="from{side}" @click="trigger('look_from', ['{side}'])">{side[0]}</button>"""
-        for side in SIDES
-    )
-    return f"""<div class="bar" role="toolbar" aria-label="View">
-<button type="button" title="See the whole vessel" @click="trigger('fit')" data-name="fitButton">Fit</button>{sides}
-<button type="button" title="Keep what the view shows as a picture" @click="trigger('picture')" data-name="pictureButton">\
-Save picture</button>
-<button type="button" title="Keys" aria-label="Keys" onclick="document.querySelector('.keys').showModal()" data-name="keysButton">?</button>
-</div>"""
-
-
-SPLIT = """
-<div class="split" role="separator" tabindex="0" aria-orientation="vertical" aria-label="Width of the panel" aria-valuemin="300"
-aria-valuemax="900" aria-valuenow="446" data-name="split" @pointerdown="$event.target.setPointerCapture($event.pointerId)"
-@pointermove="$event.buttons && window.split($event.clientX)" @dblclick="window.split(446)"
-@keydown.left.stop.prevent="window.split('-')" @keydown.right.stop.prevent="window.split('+')"></div>
-"""
-
-DIAMETERS = """
-<div class="results"><div class="tiles" v-memo="[tiles]" data-name="tiles" role="region" aria-label="Result" tabindex="0">
-<component v-for="t in tiles" :is="t.is_caution ? 'button' : 'div'" class="tile" :class="{caution: t.is_caution}" @click="t.is_caution && window.unfold('detailsCollapsibleButton')">
-<span>{{ t.name }}</span> <strong>{{ t.value }}</strong> <span>{{ t.beneath }}</span></component></div>
-<div v-memo="[plot, table, pointed]">
-<p class="suffix" v-show="!plot.lines.length">Diameters along a lesion or a stent.</p>
-<figure v-show="plot.lines.length"><h2>{{ plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" preserveAspectRatio="xMinYMid" role="img" :aria-label="plot.title"
-@pointermove="pointed = window.nearest($event, plot.values)" @pointerdown="pointed = window.nearest($event, plot.values)" @pointerleave="pointed = window.nowhere()">
-<line v-if="pointed" class="pointed" :x1="pointed.at" :x2="pointed.at" y1="0" :y2="plot.height - 34"></line>
-<g class="grid"><line v-for="t in plot.up" x1="44" :x2="plot.width - 12" :y1="t.at" :y2="t.at"></line></g>
-<g class="ticks"><text v-for="t in plot.up" x="38" :y="t.at + 4" text-anchor="end">{{ t.text }}</text>
-<text v-for="t in plot.across" :x="t.at" :y="plot.height - 18" text-anchor="middle">{{ t.text }}</text>
-<text :x="plot.width / 2" :y="plot.height - 3" text-anchor="middle">{{ plot.words[0] }}</text>
-<text :transform="'translate(11 ' + plot.height / 2 + ') rotate(-90)'" text-anchor="middle">{{ plot.words[1] }}</text></g>
-<path v-for="l in plot.lines" :d="l.path" :stroke="l.color" :opacity="l.opacity" :stroke-dasharray="l.dash ? '7 5' : null"></path>
-</svg><p class="suffix" data-name="pointed">{{ pointed ? pointed.text : '' }}</p></figure>
-<details v-show="table.rows.length"><summary>{{ table.title || 'Table' }}</summary><div class="table" role="region" aria-label="Diameters" tabindex="0"><table>
-<thead><tr><th v-for="c in table.columns">{{ c }}</th></tr></thead>
-<tbody><tr v-for="row in table.rows"><td v-for="v in row">{{ v }}</td></tr></tbody></table></div></details>
-</div></div>
-"""
-
-GONE = """
-<div class="gone" role="alert">The connection is lost, or this page was opened in another window.
-It goes on by itself as soon as it can.
-<button type="button" onclick="location.reload()">Go on now</button>
-If that does not help, sdfstent app has ended: start it again and use the address that it prints.</div>
-"""
-
-
-def saving_row() -> str:
-    """The buttons that let the browser keep results."""
-    buttons = "".join(
-        f'<button type="button" :disabled="!canSave || isSaving" data-name="save-{kind}" @click="{escape(saving(kind))}">{text}</button>'
-        for kind, text in (("surface", "Save surface..."), ("report", "Save report..."))
-    )
-    return (
-        f'<div class="row">{buttons}<span v-show="isSaving" class="suffix">Working...</span></div>'
-    )

@@ -10,7 +10,7 @@ import pytest
 from child_processes import PROJECT
 
 from SDFStentApp import template
-from SDFStentApp.tables import CAN_BE_CHECKED, CAN_BE_EDITED, CHECKED, TableItem
+from SDFStentApp.tables import TableItem
 from SDFStentApp.ui_file import UiPanel
 from SDFStentApp.widgets import Number
 from SDFStentLib.validation import InputError
@@ -88,10 +88,8 @@ def test_junk_from_a_browser_changes_nothing(a_panel):
 def test_cells_are_ticked_and_typed_into_only_where_that_is_offered(a_panel):
     table, heard = a_panel.planTable, []
     table.setRowCount(2)
-    for row, flags in enumerate((0, CAN_BE_EDITED | CAN_BE_CHECKED)):
-        item = TableItem("plan")
-        item.setFlags(flags)
-        table.setItem(row, 0, item)
+    table.setItem(0, 0, TableItem("plan"))
+    table.setItem(1, 0, TableItem("plan", can_be_edited=True, is_checked=False))
     table.connect("itemChanged(QTableWidgetItem*)", lambda item: heard.append(item.row()))
     for row in (0, 1):
         table.edit([row, 0, "name"])
@@ -99,7 +97,7 @@ def test_cells_are_ticked_and_typed_into_only_where_that_is_offered(a_panel):
     assert heard == [1]
     table.edit([1, 0, True])
     table.edit([0, 0, True])
-    assert [table.item(row, 0).checkState() == CHECKED for row in (0, 1)] == [False, True]
+    assert [table.item(row, 0).is_checked for row in (0, 1)] == [None, True]
     table.edit([1, 0])
     assert (table.currentRow(), table.selectedItems()[0].text()) == (1, "name")
     table.setRowCount(1)

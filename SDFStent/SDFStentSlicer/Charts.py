@@ -3,6 +3,7 @@
 import numpy as np
 import slicer
 from slicer.i18n import tr as _
+from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkStringArray
 
 from . import Display, Marks, Showing
@@ -40,8 +41,17 @@ def fillTables(parameterNode, columns, description):
 
 
 def _fillNumbers(node, columns):
-    rounded = [np.round(values, TABLE_DECIMALS) for values in columns.values()]
-    slicer.util.updateTableFromArray(node, rounded, list(columns))
+    _fillExactly(
+        node, {title: np.round(values, TABLE_DECIMALS) for title, values in columns.items()}
+    )
+
+
+def _fillExactly(node, columns):
+    node.RemoveAllColumns()
+    for title, values in columns.items():
+        column = numpy_to_vtk(values, deep=True)
+        column.SetName(title)
+        node.AddColumn(column)
 
 
 def _fillTexts(node, columns):
@@ -77,13 +87,13 @@ def createChart(title, position, series):
 
     `position` is (label, values), `series` maps a label to (values, color); the last of them is dashed.
     """
-    columns = [position[1], *(values for values, _color in series.values())]
+    diameters = {label: values for label, (values, _color) in series.items()}
     table = _addMark("vtkMRMLTableNode", title)
-    slicer.util.updateTableFromArray(table, columns, [position[0], *series])
+    _fillExactly(table, {position[0]: position[1], **diameters})
     colors = {name: color for name, (_values, color) in series.items()}
     chart = _newChart(_addMark, title, position[0], colors)
     chart.SetTitle(title)
-    _draw(chart, table, position[0], series, 1.1 * np.nanmax(columns[1:]))
+    _draw(chart, table, position[0], series, 1.1 * np.nanmax([*diameters.values()]))
     _offer(chart)
     return [table, *map(chart.GetNthPlotSeriesNode, range(len(series))), chart]
 

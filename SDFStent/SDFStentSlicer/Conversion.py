@@ -122,7 +122,7 @@ def curvePoints(node):
             f"Curve {node.GetName()}: expected at least two points, got {count}; place more points."
         )
     if count == node.GetNumberOfControlPoints():
-        points = slicer.util.arrayFromMarkupsCurvePoints(node, world=True)
+        points = vtk_to_numpy(node.GetCurvePointsWorld().GetData())
     else:
         points = vtk_to_numpy(toWorld(node, _placedCurve(node)).GetPoints().GetData())
     return np.array(points, dtype=np.float64)

@@ -2,7 +2,6 @@
 
 import math
 
-import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import device_table
@@ -11,6 +10,7 @@ from SDFStentLib.stent import KEPT, USUAL_RECOIL
 from SDFStentLib.validation import InputError, printable
 
 from . import Sizes
+from .Desktop import desktop
 from .ParameterNode import Placement, stentOf
 from .StentList import StentList
 
@@ -140,9 +140,8 @@ class DeviceSection:
             self._change(lambda node: self._logic.setDevice(node, self._rows[index]))
 
     def _onTable(self):
-        path = qt.QFileDialog.getOpenFileName(
-            self.ui.deviceTableButton, _("Device table"), "", _("Device table (*.json)")
-        )
+        kinds = _("Device table (*.json)")
+        path = desktop().openFile(self.ui.deviceTableButton, _("Device table"), kinds)
         if path:
             self._change(lambda node: self._logic.setDeviceTable(node, path))
 

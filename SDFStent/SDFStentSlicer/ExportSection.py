@@ -1,10 +1,10 @@
 """What the panel writes: files of the last deployment, and a segment of the vessel for a flow solver."""
 
-import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.surface_formats import READ_SUFFIXES
 
+from .Desktop import desktop
 from .PanelParts import FolderButton
 
 
@@ -29,20 +29,20 @@ class ExportSection:
 
     def _onLoad(self):
         kinds = _("Surface") + f" ({' '.join('*' + suffix for suffix in READ_SUFFIXES)})"
-        self._ask(qt.QFileDialog.getOpenFileName, _("Stent mesh"), "", kinds, "loadDeviceMesh")
+        path = desktop().openFile(self.ui.loadMeshButton, _("Stent mesh"), kinds)
+        self._do("loadDeviceMesh", path)
 
     def _onSave(self):
-        asked = qt.QFileDialog.getSaveFileName
-        self._ask(asked, _("Save device"), "stents.vtp", _("Device (*.vtp)"), "writeDevice")
+        self._save("writeDevice", _("Save device"), "stents.vtp", _("Device (*.vtp)"))
 
     def _onWrite0D(self):
-        asked = qt.QFileDialog.getSaveFileName
-        self._ask(
-            asked, _("Network for a 0D solver"), "network.json", _("Network (*.json)"), "write0D"
-        )
+        title, kinds = _("Network for a 0D solver"), _("Network (*.json)")
+        self._save("write0D", title, "network.json", kinds)
 
-    def _ask(self, asked, title, name, kinds, action):
-        path = asked(self.ui.saveDeviceButton, title, name, kinds)
+    def _save(self, action, title, name, kinds):
+        self._do(action, desktop().saveFile(self.ui.saveDeviceButton, title, name, kinds))
+
+    def _do(self, action, path):
         if path:
             self._attempt(lambda: getattr(self._logic, action)(path, self._parameterNode))
 

@@ -1,13 +1,12 @@
 """The lesions of the vessel, in a table of the panel and in the views."""
 
-import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.report import NO_LESION, lesion_facts
 
 from . import Clock, Showing
+from .Desktop import desktop
 from .LesionMarks import LesionMarks
-from .PanelParts import fitColumns
 from .Portions import SteppedRun, working
 
 LEAST, ROW = 72, 24
@@ -35,7 +34,7 @@ class LesionTable:
         self._run = SteppedRun(lambda _value: None, self._done)
         self._plotting = SteppedRun(lambda _value: None, self._onPlotted)
         self._timer = Clock.timer(self._begin, SETTLE_MS)
-        fitColumns(ui.lesionTable)
+        desktop().fitColumns(ui.lesionTable)
         ui.lesionTable.connect("itemSelectionChanged()", self._selectionChanged)
         ui.lesionTable.connect("cellClicked(int,int)", self._clicked)
         ui.lesionTable.connect("cellActivated(int,int)", self._activated)
@@ -139,10 +138,8 @@ class LesionTable:
             table.setRowCount(len(rows))
             for row, (texts, tip) in enumerate(rows):
                 for column, text in enumerate(texts):
-                    item = qt.QTableWidgetItem(text)
+                    item = desktop().cell(text, isSelectable=not state)
                     item.setToolTip(tip)
-                    if state:
-                        item.setFlags(qt.Qt.ItemIsEnabled)
                     table.setItem(row, column, item)
         finally:
             self._updating = False

@@ -1,10 +1,10 @@
 """Parts of the panel that know nothing of stents: widgets bound to parameters, columns, folders, its size."""
 
-import qt
 import slicer
 from slicer.i18n import tr as _
 
 from . import Clock
+from .Desktop import desktop
 from .Portions import SteppedRun
 
 
@@ -41,14 +41,6 @@ def cut(text, longest):
     return text if len(text) <= longest else text[: longest - 1] + "\N{HORIZONTAL ELLIPSIS}"
 
 
-def fitColumns(table):
-    """Let the first column, with the names, have the room that the others leave, which are as wide as what they hold."""
-    header = table.horizontalHeader()
-    header.setStretchLastSection(False)
-    header.setSectionResizeMode(qt.QHeaderView.ResizeToContents)
-    header.setSectionResizeMode(0, qt.QHeaderView.Stretch)
-
-
 class FolderButton:
     """Asks for a folder and runs the iterator `stepsInto(folder)`, which yields fractions done and returns a path.
 
@@ -77,7 +69,7 @@ class FolderButton:
         if self.isRunning:
             self.stop()
             return
-        folder = qt.QFileDialog.getExistingDirectory(self._button, self._title)
+        folder = desktop().folder(self._button, self._title)
         if folder:
             self._attempt(lambda: self._begin(folder))
 
@@ -129,8 +121,7 @@ class PanelSize:
         self._timer.start()
 
     def _fit(self):
-        # Layouts hear of changes one within the other, each by an event.
-        qt.QCoreApplication.sendPostedEvents(None, qt.QEvent.LayoutRequest)
+        desktop().layOut()
         needed = self._panel.layout().heightForWidth(self._panel.width)
         self._panel.minimumHeight = max(0, needed)  # -1 where no text is shown
         width = self._panel.layout().minimumSize().width()

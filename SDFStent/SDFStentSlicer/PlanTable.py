@@ -1,13 +1,13 @@
 """The section Plans of the panel: the alternatives for one vessel, side by side."""
 
-import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.report import COMPARED
 from SDFStentLib.validation import one_line
 
 from . import Tiles
-from .PanelParts import FolderButton, fitColumns
+from .Desktop import desktop
+from .PanelParts import FolderButton
 
 
 class PlanTable:
@@ -28,7 +28,7 @@ class PlanTable:
             attempt,
             self._onCompared,
         )
-        fitColumns(ui.planTable)
+        desktop().fitColumns(ui.planTable)
         ui.plansCollapsibleButton.connect("contentsCollapsed(bool)", self._onOpened)
         ui.planTable.connect("itemSelectionChanged()", self._onSelected)
         ui.planTable.connect("itemChanged(QTableWidgetItem*)", self._onChanged)
@@ -75,9 +75,7 @@ class PlanTable:
         """Set a cell in place, so that one that is being edited stays in editing."""
         item = self.ui.planTable.item(row, column)
         if item is None:
-            item = qt.QTableWidgetItem()
-            flags = qt.Qt.ItemIsEnabled | qt.Qt.ItemIsSelectable
-            item.setFlags(flags | qt.Qt.ItemIsEditable if column == 0 else flags)
+            item = desktop().cell(isEditable=column == 0)
             self.ui.planTable.setItem(row, column, item)
         item.setText(text)
         item.setToolTip("\n".join(filter(None, (text, tip))))
@@ -116,9 +114,7 @@ class PlanTable:
         self.show(self._parameterNode)
 
     def _onLoad(self):
-        paths = qt.QFileDialog.getOpenFileNames(
-            self.ui.planTable, _("Load plans"), "", _("Plan (*.json)")
-        )
+        paths = desktop().openFiles(self.ui.planTable, _("Load plans"), _("Plan (*.json)"))
         if paths:
             self._attempt(
                 lambda: self._switchTo(self._logic.loadPlans(list(paths), self._parameterNode))
@@ -134,4 +130,4 @@ class PlanTable:
     def _onCompared(self, page):
         if self._compared is self._parameterNode:
             self._parameterNode.status = _("Wrote {path}.").format(path=page)
-        qt.QDesktopServices.openUrl(qt.QUrl.fromLocalFile(str(page)))
+        desktop().show(page)

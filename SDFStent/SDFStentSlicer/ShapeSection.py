@@ -1,12 +1,12 @@
 """The section Shape of the panel: waist, ends, profile and caps of the selected stent."""
 
-import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import read_profile
 from SDFStentLib.stent import Shape, StentEnd, Waist
 
 from . import Sizes
+from .Desktop import desktop
 from .ParameterNode import stentOf
 
 FLAT = 0.35
@@ -121,9 +121,8 @@ class ShapeSection:
             self._set({"cap_height": (1.0, FLAT)[index]})
 
     def _onLoad(self):
-        path = qt.QFileDialog.getOpenFileName(
-            self.ui.loadProfileButton, _("Profile"), "", _("Rows of fraction,diameter (*.csv)")
-        )
+        kinds = _("Rows of fraction,diameter (*.csv)")
+        path = desktop().openFile(self.ui.loadProfileButton, _("Profile"), kinds)
         if path:
             none = {"waist": None, "start": None, "end": None}
             self._attempt(

@@ -2,12 +2,12 @@
 
 from typing import Any, NamedTuple
 
-import qt
 from slicer.i18n import tr as _
 from vtkmodules.util.misc import calldata_type
 from vtkmodules.util.vtkConstants import VTK_INT
 
 from . import Clock, Conversion
+from .Desktop import desktop
 from .Dragging import VIEW_ATTRIBUTE, rayThrough
 from .Handles import CURVE
 from .ParameterNode import Placement, stentOf
@@ -34,10 +34,9 @@ class Placing:
         self._clicks, self._placed, self._wasPersistent = [], 0, False
         # The view that has placed a point goes on with it once it has told everybody; there may be more clicks until then.
         self._timer = Clock.timer(self._take, 0)
-        self._escape = qt.QShortcut(qt.QKeySequence("Esc"), widget)
-        self._escape.setContext(qt.Qt.ApplicationShortcut)  # the mouse is in a view meanwhile
+        # Everywhere: the mouse is in a view meanwhile.
+        self._escape = desktop().onKey("Esc", widget, self._giveUp, isEverywhere=True)
         self._escape.setEnabled(False)
-        self._escape.connect("activated()", self._giveUp)
         widget.connect("activeMarkupsPlaceModeChanged(bool)", self._onMode)
 
     def _giveUp(self):
@@ -112,10 +111,12 @@ class StentButtons:
         self.ui.suggestButton.connect("clicked()", self.onSuggest)
         self.ui.copyStentButton.connect("clicked()", self.onCopyStent)
         self.ui.removeStentButton.connect("clicked()", self.onRemoveStent)
-        self._onKey("Del", lambda: self.ui.removeStentButton.click())
+        keys = {"Del": lambda: self.ui.removeStentButton.click()}
         for key, direction in (("Left", -1.0), ("Right", 1.0)):
-            self._onKey(key, lambda way=direction: self._moveStent(way))
-            self._onKey(f"Shift+{key}", lambda way=direction: self._moveStent(FINE_STEP * way))
+            keys[key] = lambda way=direction: self._moveStent(way)
+            keys[f"Shift+{key}"] = lambda way=FINE_STEP * direction: self._moveStent(way)
+        for key, action in keys.items():
+            desktop().onKey(key, self.ui.stentTable, action)
         for button, way in ((self.ui.moveUpButton, -1), (self.ui.moveDownButton, 1)):
             button.connect("clicked()", lambda way=way: self._step(lambda: self.stents.move(way)))
         self.ui.zoomButton.connect("clicked()", lambda: self.logic.showStent(self._parameterNode))
@@ -126,12 +127,6 @@ class StentButtons:
             Placing(self.ui.placeWidget, self._neededPoints, self._onPlaced),
             Placing(self.ui.segmentPlaceWidget, endsNeeded, lambda *_: None),
         ]
-
-    def _onKey(self, key, action):
-        """Do something at a key while the table of the stents has the focus."""
-        shortcut = qt.QShortcut(qt.QKeySequence(key), self.ui.stentTable)
-        shortcut.setContext(qt.Qt.WidgetWithChildrenShortcut)
-        shortcut.connect("activated()", action)
 
     def _moveStent(self, distance):
         if len(self.stents):
@@ -196,13 +191,12 @@ class StentButtons:
         self._attempt(lambda: self.logic.takePlaced(self._parameterNode, handle, index, ray))
 
     def onLoadPlan(self):
-        path = qt.QFileDialog.getOpenFileName(self.parent, _("Load plan"), "", _("Plan (*.json)"))
+        path = desktop().openFile(self.parent, _("Load plan"), _("Plan (*.json)"))
         if path:
             self._attempt(lambda: self.logic.loadPlan(path, self._parameterNode))
 
     def onSavePlan(self):
-        path = qt.QFileDialog.getSaveFileName(
-            self.parent, _("Save plan"), "plan.json", _("Plan (*.json)")
-        )
+        kinds = _("Plan (*.json)")
+        path = desktop().saveFile(self.parent, _("Save plan"), "plan.json", kinds)
         if path:
             self._attempt(lambda: self.logic.savePlan(path, self._parameterNode))

@@ -2,14 +2,13 @@
 
 from types import SimpleNamespace
 
-import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import details_words
 from SDFStentLib.validation import one_line
 
 from . import Sizes
-from .PanelParts import fitColumns
+from .Desktop import desktop
 
 
 class StentTable:
@@ -19,7 +18,7 @@ class StentTable:
         self.ui, self._onSelect, self._onEnable = ui, onSelect, onEnable
         self._updating = False
         self._shown = None
-        fitColumns(self.ui.stentTable)
+        desktop().fitColumns(self.ui.stentTable)
         self.ui.stentTable.connect("itemSelectionChanged()", self._selectionChanged)
         self.ui.stentTable.connect("itemChanged(QTableWidgetItem*)", self._itemChanged)
 
@@ -44,12 +43,8 @@ class StentTable:
 
     def _fill(self, row, texts, enabled, details):
         for column, text in enumerate(texts[:-1]):
-            item = qt.QTableWidgetItem(text)
+            item = desktop().cell(text, isChecked=enabled if column == 0 else None)
             if column == 0:
-                item.setFlags(
-                    qt.Qt.ItemIsEnabled | qt.Qt.ItemIsSelectable | qt.Qt.ItemIsUserCheckable
-                )
-                item.setCheckState(qt.Qt.Checked if enabled else qt.Qt.Unchecked)
                 tip = _("Tick to deploy this stent, untick to leave it out.")
                 item.setToolTip(f"{text}\n{tip}")
             if column == 1 and details:
@@ -64,7 +59,7 @@ class StentTable:
 
     def _itemChanged(self, item):
         if not self._updating and item.column() == 0:
-            self._onEnable(item.row(), item.checkState() == qt.Qt.Checked)
+            self._onEnable(item.row(), desktop().isChecked(item))
 
 
 def _texts(values):
