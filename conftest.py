@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from SDFStentLib import phantoms
-from SDFStentLib.phantoms import phantoms as makers
+from benchmarks import phantoms
+from benchmarks.phantoms import phantoms as makers
 from SDFStentLib.report.picture import painting
 from SDFStentLib.treatment import vessel
 

@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
@@ -37,7 +36,7 @@ from SDFStentLib.stent import (
 from SDFStentLib.treatment import AxisChange, axis_in_vessel
 from SDFStentLib.validation import DeploymentError, InputError
 
-from . import sweep
+from . import phantoms, sweep
 from .judges import meshlab_faces
 
 FILES = {

@@ -14,12 +14,12 @@ import time
 import numpy as np
 
 from SDFStentLib.flow import FlowModel, Known, Part, SideClues, channels_of, known_flow
-from SDFStentLib.phantoms import arch_with_coarctation, stenosed_tube
 from SDFStentLib.plan import flow_answer, flow_model, read_input_files
 from SDFStentLib.stent import Stent
 from SDFStentLib.treatment import Treatment, placement_at
 
 from .common import Found, markdown, progress, run_alone
+from .phantoms import arch_with_coarctation, stenosed_tube
 from .sweep import DATA_FOLDER
 
 TUBES = {0.5: (5.0, 10.0), 0.6: (5.0, 10.0), 0.7: (2.0, 5.0)}

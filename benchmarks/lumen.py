@@ -12,13 +12,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from SDFStentLib import phantoms
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import inscribed_spheres
-from SDFStentLib.phantoms import Phantom
 
+from . import phantoms
 from .common import Found, aorta_case, markdown, progress, run_alone
+from .phantoms import Phantom
 
 DIAMETER = 6.0
 

@@ -23,9 +23,9 @@ from typing import Any
 
 import vtk
 
-from SDFStentLib import phantoms
 from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays, polydata_from_lines
 
+from . import phantoms
 from .sweep import DATA_FOLDER
 
 PLACES = {

@@ -1,15 +1,25 @@
 """A stent along a curve of one's own; every step of the expansion stays addressable."""
 
-from SDFStentLib import AlongAxis, Deployment, DeploymentSettings, Stent, stent_axis
-from SDFStentLib.phantoms import bent_tube
+from SDFStentLib import (
+    AlongAxis,
+    Deployment,
+    DeploymentSettings,
+    Stent,
+    read_centerline,
+    read_surface,
+    stent_axis,
+)
+from SDFStentLib.samples import sample
 
 
 def main():
-    vessel = bent_tube(radius=3.0, bend_radius=15.0)
-    stent = Stent(7.0, placement=AlongAxis(vessel.axis_at(range(12, 32))))
+    surface, centerline = sample("branching_pulmonary_artery")
+    vessel, tree = read_surface(surface).surface, read_centerline(centerline)
+    way = tree.path_around((-5.4, 0.0, 29.7), 20.0).points
+    stent = Stent(7.0, placement=AlongAxis(way))
     axis = stent_axis(stent)
     settings = DeploymentSettings(smoothing_width=0.2)
-    deployment = Deployment(vessel.surface, settings.chain(axis.points), stent.radius, settings)
+    deployment = Deployment(vessel, settings.chain(axis.points), stent.radius, settings)
     widest = [state.radius for state in deployment]
     assert widest == sorted(widest)  # a slider can go back and forth over `deployment.states`
     return deployment.states[-1].radius

@@ -1,16 +1,16 @@
 """Two overlapping stents in a branching pulmonary artery, as one treatment with one certificate."""
 
-from SDFStentLib import BetweenPoints, Stent, Treatment
-from SDFStentLib.phantoms import branching_pulmonary_artery
+from SDFStentLib import BetweenPoints, Stent, Treatment, read_centerline, read_surface
+from SDFStentLib.samples import sample
 
 
 def main():
-    vessel = branching_pulmonary_artery()
+    surface, centerline = sample("branching_pulmonary_artery")
     stents = [
-        Stent(7.5, placement=BetweenPoints(*vessel.axis_at(ends)), name=name)
-        for name, ends in (("main", (19, 40)), ("left", (36, 46)))
+        Stent(7.5, placement=BetweenPoints((0.0, 0, 19.0), (-11.8, 0, 34.9)), name="main"),
+        Stent(7.5, placement=BetweenPoints((-8.3, 0, 33.1), (-17.7, 0, 36.0)), name="left"),
     ]
-    treatment = Treatment(vessel.surface, stents, vessel.centerline)
+    treatment = Treatment(read_surface(surface).surface, stents, read_centerline(centerline))
     for state in treatment:  # stop iterating to cancel
         print(f"stent {state.number}: {100 * state.fraction:.0f} %")
     assert treatment.result.certificate.passed

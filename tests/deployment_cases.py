@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line, Surface

@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.phantoms import TrueVessel
+from benchmarks.phantoms.axis import narrowing, planar_axis
+from benchmarks.phantoms.field import TubeField, TubeUnion
+from benchmarks.phantoms.junction import branching_tube
+from benchmarks.phantoms.mesh import swept_tube
+from benchmarks.phantoms.value import assembled
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Line, Surface
-from SDFStentLib.phantoms import TrueVessel
-from SDFStentLib.phantoms.axis import narrowing, planar_axis
-from SDFStentLib.phantoms.field import TubeField, TubeUnion
-from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.phantoms.mesh import swept_tube
-from SDFStentLib.phantoms.value import assembled
 from SDFStentLib.vessel.runs import VesselRun
 
 

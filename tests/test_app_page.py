@@ -20,6 +20,11 @@ from app_server import CHROMIUM, IS_APP_INSTALLED, QUIET, AppServer, get  # noqa
 from PIL import Image  # noqa: E402
 from polydata_cases import read_by_vtk  # noqa: E402
 
+from benchmarks.phantoms import (  # noqa: E402
+    branching_pulmonary_artery,
+    cavopulmonary_connection,
+    straight_tube,
+)
 from SDFStentLib.files import (  # noqa: E402
     add_arrays,
     encode_vtp,
@@ -28,11 +33,6 @@ from SDFStentLib.files import (  # noqa: E402
     set_face_names,
 )
 from SDFStentLib.flow import Inflow, known_flow  # noqa: E402
-from SDFStentLib.phantoms import (  # noqa: E402
-    branching_pulmonary_artery,
-    cavopulmonary_connection,
-    straight_tube,
-)
 from SDFStentLib.plan import Plan, save_plan  # noqa: E402
 from SDFStentLib.stent import AtCenter, InputFile, Stent  # noqa: E402
 

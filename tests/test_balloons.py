@@ -14,9 +14,9 @@ from test_lattice import read as device_file
 from trees import unbranched
 from tube_files import deploy
 
+from benchmarks.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line
-from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.report import stent_facts, stent_lines
 from SDFStentLib.stent import (
     AtCenter,

@@ -23,6 +23,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 import SDFStentLib.cli.demo
 import SDFStentLib.cli.deploy
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.cli import main
 from SDFStentLib.cli.console import Console
 from SDFStentLib.cli.option_table import path as path_of_option
@@ -35,7 +36,6 @@ from SDFStentLib.files import (
     read_surface,
     set_face_names,
 )
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import StepFiles, load_plan, run_plan
 from SDFStentLib.validation import DeploymentError
 

@@ -9,14 +9,14 @@ import pytest
 ROOT = Path(__file__).parents[1]
 SHIPPED = {
     "SDFStent": lambda p: p.suffix in {".py", ".ui", ".svg", ".png"} and "Testing" not in p.parts,
-    "SDFStentLib": lambda p: p.suffix in {".py", ".json", ".csv", ".typed"},
+    "SDFStentLib": lambda p: p.suffix in {".py", ".json", ".csv", ".typed", ".vtp"},
 }
 
 
 def listed(folder):
-    """Every file in the `set(..._SCRIPTS ...)` and `set(..._RESOURCES ...)` lists of a folder."""
+    """Every file in the lists of a folder: `set(..._SCRIPTS ...)`, resources and samples."""
     text = re.sub(r"#[^\n]*", "", (ROOT / folder / "CMakeLists.txt").read_text(encoding="utf-8"))
-    blocks = re.findall(r"set\(\w+_(?:SCRIPTS|RESOURCES)\s+([^)]*)\)", text)
+    blocks = re.findall(r"set\(\w+_(?:SCRIPTS|RESOURCES|SAMPLES)\s+([^)]*)\)", text)
     return [f.replace("${MODULE_NAME}", folder) for block in blocks for f in block.split()]
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_surface
-from SDFStentLib.phantoms import stenosed_tube
 
 ALONG_CAPS = ["--diameter", "8.6", "--tissue-gap", "0", "--capsule", "20"]
 """A straight capsule pushes points of a cap out along rays, some of them to one place."""

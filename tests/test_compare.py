@@ -214,7 +214,7 @@ def test_the_picture_is_written_as_a_png_of_all_panels(a_folder, capsys):
 
 
 def test_the_papers_figure_is_made_of_a_phantom_where_there_is_no_patient(tmp_path):
-    script = runpy.run_path(str(PROJECT / "docs" / "three_plans.py"))
+    script = runpy.run_path(str(PROJECT / "benchmarks" / "three_plans.py"))
     assert script["main"](tmp_path, is_phantom=True) == 0
     document = json.loads((tmp_path / "compared" / "comparison.json").read_text(encoding="utf-8"))
     left = [

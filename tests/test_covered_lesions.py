@@ -11,9 +11,9 @@ import pytest
 from cohort_cases import document as sweep_document
 from tube_files import plan_of
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
 from SDFStentLib.geometry import Surface
-from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.report import measured_lines, result_tiles
 from SDFStentLib.stent import Stent
 from SDFStentLib.treatment import Treatment, treated_lesions, with_known_minima

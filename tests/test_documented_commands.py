@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from child_processes import COMMAND, PATIENCE, PROJECT, begun, installed
 
+from benchmarks.phantoms import branching_pulmonary_artery
 from SDFStentLib.files import read_volume
 from SDFStentLib.files.formats import encode_vtu
-from SDFStentLib.phantoms import branching_pulmonary_artery
 
 DOCUMENTS = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
 
@@ -116,7 +116,7 @@ def prepared(tmp_path_factory):
         shutil.copy(made / same, made / name)
     for name in ("study", "patients"):
         (made / name).mkdir()
-    three = runpy.run_path(str(PROJECT / "docs" / "three_plans.py"))
+    three = runpy.run_path(str(PROJECT / "benchmarks" / "three_plans.py"))
     tree = three["patient"](made / "study", is_phantom=True)
     for path, name in zip(tree[:2], ("artery.vtp", "line.vtp"), strict=True):
         path.rename(made / name)

@@ -15,6 +15,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray
 from vtkmodules.vtkCommonDataModel import VTK_TETRA
 
+from benchmarks.phantoms import straight_tube
 from SDFStentLib.cli import main
 from SDFStentLib.files import (
     MeshComplete,
@@ -24,7 +25,6 @@ from SDFStentLib.files import (
     set_frame_of_polydata,
 )
 from SDFStentLib.geometry import NamedFaces, signed_volume
-from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.validation import InputError
 
 ENDS = ["--from", "0", "0", "0.8", "--to", "0", "0", "3.2"]

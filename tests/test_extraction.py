@@ -9,14 +9,14 @@ from child_processes import PROJECT, installed
 from scipy.spatial import cKDTree
 from tube_files import write_tube
 
-from SDFStentLib.files import extract_lines, read_centerline, read_lines, read_surface
-from SDFStentLib.geometry import Line, Surface, norm
-from SDFStentLib.phantoms import (
+from benchmarks.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
     helix_tube,
     straight_tube,
 )
+from SDFStentLib.files import extract_lines, read_centerline, read_lines, read_surface
+from SDFStentLib.geometry import Line, Surface, norm
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import line_seeds
 

@@ -7,6 +7,7 @@ import pytest
 from deployment_cases import ONE_ANATOMY, VESSELS, vessel_named
 from plain_measuring import nearest_points, plain_sphere
 
+from benchmarks.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.deformation import DeploymentSettings, deploy
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Balls, Line, Surface, SurfaceIndex, nearest_distances
@@ -26,7 +27,6 @@ from SDFStentLib.lumen import (
 from SDFStentLib.lumen.cross_section import _lumen_area
 from SDFStentLib.lumen.spheres import inscribed
 from SDFStentLib.lumen.wall_map import cuts_across
-from SDFStentLib.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, treated_lesions
 from SDFStentLib.vessel import branch_lumen, find_lesions, own_diameters

@@ -13,6 +13,13 @@ from test_flow_inlets import ENDS
 from test_flow_loops import random_loops
 from tube_files import write_vessel
 
+from benchmarks.phantoms import (
+    arch_with_coarctation,
+    branching_pulmonary_artery,
+    cavopulmonary_connection,
+    stenosed_tube,
+    vascular_tree,
+)
 from SDFStentLib.cli import flow as commands
 from SDFStentLib.cli import main
 from SDFStentLib.flow import (
@@ -26,13 +33,6 @@ from SDFStentLib.flow import (
     svzerod_document,
 )
 from SDFStentLib.flow.course import tips_of
-from SDFStentLib.phantoms import (
-    arch_with_coarctation,
-    branching_pulmonary_artery,
-    cavopulmonary_connection,
-    stenosed_tube,
-    vascular_tree,
-)
 from SDFStentLib.validation import InputError
 
 MMHG = 133.322

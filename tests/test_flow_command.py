@@ -11,9 +11,9 @@ import pytest
 from test_plan import SCHEMA
 from tube_files import deploy, plan_of, write_vessel
 
+from benchmarks.phantoms import branching_pulmonary_artery
 from SDFStentLib.cli import main
 from SDFStentLib.flow import Known
-from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.plan import load_plan, save_plan
 
 

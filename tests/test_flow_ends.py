@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from seeds import seeds
 
+from benchmarks.phantoms import straight_tube
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.flow import FlowModel, channels_of, known_flow
 from SDFStentLib.geometry import Surface
-from SDFStentLib.phantoms import straight_tube
 
 MU = 0.004
 

@@ -10,6 +10,11 @@ from seeds import seeds
 from test_flow_graphs import by_nodes
 from tube_files import write_vessel
 
+from benchmarks.phantoms import (
+    branching_pulmonary_artery,
+    cavopulmonary_connection,
+    stenosed_tube,
+)
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_lines
 from SDFStentLib.flow import (
@@ -25,11 +30,6 @@ from SDFStentLib.flow import (
     steady,
 )
 from SDFStentLib.geometry import NamedFaces
-from SDFStentLib.phantoms import (
-    branching_pulmonary_artery,
-    cavopulmonary_connection,
-    stenosed_tube,
-)
 from SDFStentLib.plan import flow_model
 from SDFStentLib.treatment import Vessel
 from SDFStentLib.validation import InputError

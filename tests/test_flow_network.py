@@ -10,6 +10,13 @@ import numpy as np
 import pytest
 from seeds import seeds
 
+from benchmarks.phantoms import (
+    arch_with_coarctation,
+    branching_pulmonary_artery,
+    stenosed_tube,
+    straight_tube,
+    vascular_tree,
+)
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.flow import (
@@ -34,13 +41,6 @@ from SDFStentLib.flow.profiles import Way, bends_of, deans_of, layers_of, profil
 from SDFStentLib.flow.spans import Piece, drop_over
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
-from SDFStentLib.phantoms import (
-    arch_with_coarctation,
-    branching_pulmonary_artery,
-    stenosed_tube,
-    straight_tube,
-    vascular_tree,
-)
 from SDFStentLib.validation import DeploymentError, InputError
 
 MMHG = 133.322

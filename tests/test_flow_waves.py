@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from seeds import seeds
 
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube, vascular_tree
 from SDFStentLib.flow import (
     FlowModel,
     Known,
@@ -25,7 +26,6 @@ from SDFStentLib.flow import (
 )
 from SDFStentLib.flow.blocks import Stream, blocks_of
 from SDFStentLib.flow.channels import Channel, Widths
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, vascular_tree
 from SDFStentLib.validation import InputError
 
 MMHG = 133.322

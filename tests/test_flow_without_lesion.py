@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tube_files import write_vessel
 
-from SDFStentLib.phantoms import straight_tube
+from benchmarks.phantoms import straight_tube
 
 VISCOSITY, MMHG = 4e-3, 133.322
 """Pa s, and Pa."""

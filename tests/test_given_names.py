@@ -11,7 +11,7 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy
 from tube_files import write_vessel
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_surface
 from SDFStentLib.files.formats.mdl_faces import LARGEST, mdl_face_names

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from SDFStentLib.phantoms import stenosed_tube, straight_tube
+from benchmarks.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment
 

@@ -10,7 +10,7 @@ from deployment_cases import phantom
 from mesh_files import open_tube
 from scipy.spatial import KDTree
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface

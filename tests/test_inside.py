@@ -8,10 +8,10 @@ from mesh_files import octahedron, open_tube
 from plain_measuring import winding_numbers
 from scipy.spatial.transform import Rotation
 
+from benchmarks.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.geometry import Surface, boundary_edges
 from SDFStentLib.geometry.closing import _rims, _rims_of_manifold
 from SDFStentLib.geometry.exact import turn_signs, volume_signs
-from SDFStentLib.phantoms import stenosed_tube, vascular_tree
 
 
 def a_tube(turn=None, around=24, capped=True, length=60.0):

@@ -10,11 +10,11 @@ from mesh_files import octahedron, open_tube, read_vtk
 from tube_files import deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, surface_from_polydata
 from SDFStentLib.files.composition import composition_warnings
 from SDFStentLib.geometry import Line
-from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.treatment import Vessel
 
 TUBE = stenosed_tube(edge_length=1.0)

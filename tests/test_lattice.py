@@ -11,10 +11,10 @@ from polydata_cases import read_by_vtk
 from tube_files import deploy, plan_of
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
+from benchmarks.phantoms import straight_tube
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface
 from SDFStentLib.geometry import Line, carried
-from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.stent import (
     AlongAxis,
     LatticeDesign,

@@ -27,7 +27,7 @@ FLOORS = (
     ),
     ("geometry",),
     ("field", "centerline", "certificate"),
-    ("lumen", "stent", "files", "phantoms"),
+    ("lumen", "stent", "files", "samples"),
     ("deformation", "vessel"),
     ("segment", "flow"),
     ("treatment",),
@@ -46,7 +46,7 @@ USES = {
     "lumen": "geometry centerline",
     "stent": "geometry centerline",
     "files": "geometry centerline",
-    "phantoms": "geometry centerline",
+    "samples": "",
     "deformation": "geometry field certificate lumen",
     "vessel": "geometry centerline lumen",
     "flow": "geometry centerline lumen vessel",
@@ -57,7 +57,7 @@ USES = {
     "report": "geometry certificate lumen stent files treatment vessel segment flow plan "
     "simulation",
     "cohort": "geometry centerline certificate stent files treatment plan report",
-    "cli": "files stent phantoms vessel flow treatment plan simulation report cohort",
+    "cli": "files samples stent vessel flow treatment plan simulation report cohort",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""
 

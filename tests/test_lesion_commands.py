@@ -13,11 +13,11 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy
 from tube_files import write_vessel
 
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_surface
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import inscribed_spheres
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.stent import AtDistalEnd, Stent, stent_axis
 from SDFStentLib.treatment import placement_at
 from SDFStentLib.vessel import find_lesions, lesions_within

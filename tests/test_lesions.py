@@ -11,13 +11,13 @@ from lesion_cases import SPACING, bifurcation_case, tapering, tube_case, vessel_
 from seeds import seeds
 from trees import unbranched, with_radius
 
+from benchmarks.phantoms.axis import planar_axis
+from benchmarks.phantoms.mesh import swept_tube
 from SDFStentLib.centerline import Centerline, Stretch
 from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import flat_caps, inscribed_spheres
-from SDFStentLib.phantoms.axis import planar_axis
-from SDFStentLib.phantoms.mesh import swept_tube
 from SDFStentLib.stent import AtCenter, Stent, StentAxis
 from SDFStentLib.treatment import PlacedStent, residual_of, treated_lesions
 from SDFStentLib.validation import InputError

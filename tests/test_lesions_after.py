@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from benchmarks.phantoms import stenosed_tube, straight_tube, vascular_tree
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import inscribed_spheres, measured_at, moved_wall
-from SDFStentLib.phantoms import stenosed_tube, straight_tube, vascular_tree
 from SDFStentLib.report import document_json, residual_facts, summary
 from SDFStentLib.report.lesions import stent_lesion_sentences, treated_lesion_facts
 from SDFStentLib.stent import AtCenter, Stent

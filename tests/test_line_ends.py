@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from seeds import seeds
 
+from benchmarks.phantoms import vascular_tree
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import LineEnds, with_ends_in_middle
 from SDFStentLib.lumen.line_ends import IN_MIDDLE
-from SDFStentLib.phantoms import vascular_tree
 from SDFStentLib.vessel import find_lesions, lumen_left
 
 TRUNK = 12.0

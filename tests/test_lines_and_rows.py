@@ -12,6 +12,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from trees import unbranched
 
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
+from benchmarks.phantoms.field import Rim
+from benchmarks.phantoms.junction import _rim_loop
 from SDFStentLib.__main__ import ONE_THREAD
 from SDFStentLib.cli import main
 from SDFStentLib.cli.demo import _written_patient
@@ -19,9 +22,6 @@ from SDFStentLib.geometry import Line, SurfaceIndex, closest_on_segments, produc
 from SDFStentLib.geometry.line import PAIRS_PER_BLOCK
 from SDFStentLib.lumen import LocalSurface
 from SDFStentLib.lumen.spheres import climb, inscribed
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
-from SDFStentLib.phantoms.field import Rim
-from SDFStentLib.phantoms.junction import _rim_loop
 from SDFStentLib.validation import InputError
 
 CORNER = np.array([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])

@@ -6,10 +6,10 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkFiltersCore import vtkMarchingCubes, vtkQuadricDecimation
 
+from benchmarks.phantoms import branching_pulmonary_artery
 from SDFStentLib.files import polydata_from_arrays
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import caps_of, flat_caps
-from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.vessel import vessel_ends
 
 SEEDS = range(4)

@@ -10,6 +10,7 @@ from child_processes import measured
 from deployment_cases import ANATOMIES, anatomy, leaf_path
 from vtkmodules.vtkFiltersModeling import vtkLinearSubdivisionFilter
 
+from benchmarks.phantoms import straight_tube
 from SDFStentLib.files import (
     add_arrays,
     encode_vtp,
@@ -18,7 +19,6 @@ from SDFStentLib.files import (
     read_surface,
 )
 from SDFStentLib.geometry import Line
-from SDFStentLib.phantoms import straight_tube
 
 pytest.importorskip("resource", reason="memory is not measured on this system")
 

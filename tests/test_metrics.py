@@ -9,6 +9,7 @@ from plain_measuring import measured_around
 from seeds import seeds
 from test_vessel_ends import LENGTH, RADIUS, a_capped_duct, a_circle
 
+from benchmarks.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import (
     DiameterProfile,
@@ -21,7 +22,6 @@ from SDFStentLib.lumen import (
     face_stretches,
     inscribed_spheres,
 )
-from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.validation import InputError
 

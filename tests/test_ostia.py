@@ -13,15 +13,15 @@ from ostium_truth import RayCaster, openings_at
 from seeds import seeds
 from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
+from benchmarks.phantoms.axis import planar_axis
+from benchmarks.phantoms.field import TubeField, TubeUnion
+from benchmarks.phantoms.junction import branching_tube
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line, NamedFaces, Surface
 from SDFStentLib.lumen import extended_axis
-from SDFStentLib.phantoms.axis import planar_axis
-from SDFStentLib.phantoms.field import TubeField, TubeUnion
-from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.stent import AlongAxis, AtCenter, BetweenPoints, Stent, stent_axis
 from SDFStentLib.treatment import Treatment, branches_beside, lumen_into
 from SDFStentLib.treatment.warnings import narrowed_neighbors

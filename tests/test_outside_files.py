@@ -26,6 +26,7 @@ from vtkmodules.vtkIOXML import (
     vtkXMLUnstructuredGridWriter,
 )
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.cautions import Caution
 from SDFStentLib.cli import main
 from SDFStentLib.cli.option_table import SURFACE
@@ -39,7 +40,6 @@ from SDFStentLib.files import (
     write_surface,
 )
 from SDFStentLib.files.plain.off import decode_off
-from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.surface_formats import (
     FORMATS_IN_WORDS,
     READ_SUFFIXES,

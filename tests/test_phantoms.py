@@ -7,14 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
+from benchmarks.phantoms import Phantom, vascular_tree
+from benchmarks.phantoms.axis import planar_axis
+from benchmarks.phantoms.field import TubeField, TubeUnion
+from benchmarks.phantoms.junction import branching_tube
+from benchmarks.phantoms.tree import NARROWER, ROOT_RADIUS
 from SDFStentLib.certificate import check_surface, self_intersecting_triangles
 from SDFStentLib.geometry import signed_volume
-from SDFStentLib.phantoms import Phantom, vascular_tree
-from SDFStentLib.phantoms.axis import planar_axis
-from SDFStentLib.phantoms.field import TubeField, TubeUnion
-from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.phantoms.tree import NARROWER, ROOT_RADIUS
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import find_lesions
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of

@@ -8,9 +8,9 @@ import pytest
 from seeds import seeds
 from tube_files import write_vessel
 
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_surface
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import (
     Plan,
     load_plan,

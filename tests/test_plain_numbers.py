@@ -8,10 +8,10 @@ import string
 import numpy as np
 import pytest
 
+from benchmarks.phantoms import straight_tube
 from SDFStentLib.cautions import TEMPLATES, Caution
 from SDFStentLib.files.same_space import size_warnings
 from SDFStentLib.geometry import Surface
-from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.report.diameters import filed_point
 from SDFStentLib.stent import AtCenter, Stent, stent_axis
 from SDFStentLib.units import told_place

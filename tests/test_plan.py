@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from tube_files import write_vessel
 
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import (
     encode_vtp,
@@ -18,7 +19,6 @@ from SDFStentLib.files import (
     polydata_from_lines,
     set_frame_of_polydata,
 )
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import (
     Plan,
     load_plan,

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from seeds import seeds
 
+from benchmarks.phantoms.axis import planar_axis
+from benchmarks.phantoms.field import TubeField, TubeUnion
+from benchmarks.phantoms.junction import branching_tube
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import extended_axis
-from SDFStentLib.phantoms.axis import planar_axis
-from SDFStentLib.phantoms.field import TubeField, TubeUnion
-from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.report import stent_lines
 from SDFStentLib.report.branches import branch_facts
 from SDFStentLib.stent import AlongAxis, Stent

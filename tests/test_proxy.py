@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings, Proxy, deploy
 from SDFStentLib.geometry import Line, Surface, dot, face_normals

@@ -10,6 +10,7 @@ import pytest
 from cohort_cases import document as sweep_document
 from tube_files import plan_of, write_tube
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.certificate import (
     CERTIFIED,
     CERTIFIED_OPEN,
@@ -21,7 +22,6 @@ from SDFStentLib.certificate import (
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface
 from SDFStentLib.geometry import Line, Surface
-from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.report import measured_lines, result_tiles
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment

@@ -13,8 +13,8 @@ from test_devices import ROW, SHORT, a_table
 from tube_files import INPUTS
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
+from benchmarks.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
-from SDFStentLib.phantoms import stenosed_tube, straight_tube
 
 CENTERLINE = "--centerline line.vtp"
 LENGTH = "--center 0 0 2 --length 20"

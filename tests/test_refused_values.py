@@ -16,14 +16,14 @@ from deployment_cases import arc, hairpin, phantom_case
 from test_devices import a_device
 
 import SDFStentLib
-from SDFStentLib import phantoms
+from benchmarks import phantoms
+from benchmarks.phantoms.axis import planar_axis
 from SDFStentLib.cautions import Caution
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli.console import Console, error_line
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.flow import known_flow
 from SDFStentLib.geometry import Line, Precision, Surface, carried, tightest_bend
-from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,

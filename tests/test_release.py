@@ -45,11 +45,8 @@ def test_the_wheel_holds_all_that_is_shipped_and_no_test(wheel):
     names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info" not in name}
     files = [file for folder in SHIPPED for file in (PROJECT / folder).rglob("*")]
     files.append(PROJECT / "SDFStent" / "SDFStent.py")
-    wanted = {
-        file.relative_to(PROJECT).as_posix()
-        for file in files
-        if file.suffix in (".py", ".json", ".css", ".ui", ".typed")
-    }
+    suffixes = (".py", ".json", ".css", ".js", ".html", ".ui", ".vtp", ".typed")
+    wanted = {file.relative_to(PROJECT).as_posix() for file in files if file.suffix in suffixes}
     assert names == wanted
 
 

@@ -12,11 +12,11 @@ from tube_files import deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings, Proxy
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface, write_surface
 from SDFStentLib.geometry import Surface, surface_topology
-from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import find_lesions
 

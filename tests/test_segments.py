@@ -13,6 +13,15 @@ from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
 from vtkmodules.vtkFiltersCore import vtkConnectivityFilter, vtkMassProperties, vtkTriangleFilter
 from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
 
+from benchmarks.phantoms import (
+    arch_with_coarctation,
+    branching_pulmonary_artery,
+    hairpin_tube,
+    stenosed_tube,
+    straight_tube,
+    tube_with_neighbor,
+    vascular_tree,
+)
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.certificate import check_surface
 from SDFStentLib.deformation import DeploymentSettings
@@ -24,15 +33,6 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.geometry import Line, NamedFaces, Surface, signed_volume
 from SDFStentLib.lumen import flat_caps
-from SDFStentLib.phantoms import (
-    arch_with_coarctation,
-    branching_pulmonary_artery,
-    hairpin_tube,
-    stenosed_tube,
-    straight_tube,
-    tube_with_neighbor,
-    vascular_tree,
-)
 from SDFStentLib.stent import AtDistalEnd, Stent
 from SDFStentLib.treatment import SegmentWishes, Treatment, Vessel, extract_segment
 from SDFStentLib.validation import DeploymentError, InputError

@@ -6,6 +6,13 @@ import numpy as np
 import pytest
 from seeds import seeds
 
+from benchmarks.phantoms import (
+    bent_tube,
+    branching_pulmonary_artery,
+    helix_tube,
+    stenosed_tube,
+    vascular_tree,
+)
 from SDFStentLib.flow import (
     FlowModel,
     Network,
@@ -19,13 +26,6 @@ from SDFStentLib.flow.blocks import Method, Stream, blocks_of
 from SDFStentLib.flow.channels import Channel, Widths
 from SDFStentLib.flow.sharp_bends import NONE, sharp_bends
 from SDFStentLib.flow.spans import Piece, drop_over
-from SDFStentLib.phantoms import (
-    bent_tube,
-    branching_pulmonary_artery,
-    helix_tube,
-    stenosed_tube,
-    vascular_tree,
-)
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.stent import Stent
 from SDFStentLib.treatment import Treatment, placement_at

@@ -20,6 +20,7 @@ import pytest
 from mesh_files import read_vtk
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
+from benchmarks.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.certificate import check_surface, smallest_angles
 from SDFStentLib.cli import flow as commands
 from SDFStentLib.cli import main
@@ -27,7 +28,6 @@ from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_li
 from SDFStentLib.files.formats import decode_vtu, encode_vtu
 from SDFStentLib.flow import Wave
 from SDFStentLib.geometry import Surface, SurfaceIndex, signed_volume
-from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.report import mesh_sentences
 from SDFStentLib.simulation import Conditions, Cycle, End, prepare
 from SDFStentLib.simulation.ends import extended

@@ -8,8 +8,8 @@ from seeds import seeds
 from test_flow_inlets import MMHG, a_fontan, a_vessel, flows
 from test_simulation import series
 
+from benchmarks.phantoms import branching_pulmonary_artery, cavopulmonary_connection
 from SDFStentLib.flow import Inflow, Wave, known_flow
-from SDFStentLib.phantoms import branching_pulmonary_artery, cavopulmonary_connection
 from SDFStentLib.plan import flow_model
 from SDFStentLib.report import simulation_sentences
 from SDFStentLib.simulation import Cut, State, prepare

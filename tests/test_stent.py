@@ -13,11 +13,11 @@ from scipy.interpolate import CubicSpline
 from trees import unbranched
 from tube_files import deploy
 
+from benchmarks.phantoms import hairpin_tube, straight_tube
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line, smoothed_line
-from SDFStentLib.phantoms import hairpin_tube, straight_tube
 from SDFStentLib.plan import load_plan
 from SDFStentLib.stent import (
     AlongAxis,

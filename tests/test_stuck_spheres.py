@@ -9,6 +9,18 @@ from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
 from benchmarks.judges import wall_distances
+from benchmarks.phantoms import (
+    TrueOpening,
+    TrueVessel,
+    branching_pulmonary_artery,
+    stenosed_tube,
+    straight_tube,
+)
+from benchmarks.phantoms.axis import narrowing, planar_axis
+from benchmarks.phantoms.field import TubeField, TubeUnion
+from benchmarks.phantoms.junction import branching_tube
+from benchmarks.phantoms.mesh import swept_tube
+from benchmarks.phantoms.value import assembled
 from benchmarks.trees.surface import Wall
 from benchmarks.trees.truth import Spheres
 from SDFStentLib.geometry import Line, Surface
@@ -19,18 +31,6 @@ from SDFStentLib.lumen import (
     widest_passing,
     with_own_spheres,
 )
-from SDFStentLib.phantoms import (
-    TrueOpening,
-    TrueVessel,
-    branching_pulmonary_artery,
-    stenosed_tube,
-    straight_tube,
-)
-from SDFStentLib.phantoms.axis import narrowing, planar_axis
-from SDFStentLib.phantoms.field import TubeField, TubeUnion
-from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.phantoms.mesh import swept_tube
-from SDFStentLib.phantoms.value import assembled
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.vessel import find_lesions
 

@@ -14,11 +14,11 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy
 from test_devices import ROW, a_device, a_table
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import DiameterProfile
-from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.plan import load_plan, run_plan
 from SDFStentLib.report import ratio_sentence
 from SDFStentLib.stent import Stent, stent_axis

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mesh_files import octahedron
 
+from benchmarks.phantoms import bent_tube, straight_tube
 from SDFStentLib.geometry import (
     Surface,
     as_surface,
@@ -26,7 +27,6 @@ from SDFStentLib.geometry import (
 )
 from SDFStentLib.geometry.fans import fans_by_graph, fans_by_walking
 from SDFStentLib.geometry.flat_fill import _ears
-from SDFStentLib.phantoms import bent_tube, straight_tube
 from SDFStentLib.validation import InputError
 
 

@@ -7,6 +7,7 @@ import pytest
 from mesh_files import assert_refused_by_name, octahedron, open_tube
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
+from benchmarks.phantoms import branching_pulmonary_artery
 from SDFStentLib.files import (
     check_same_space,
     encode_vtp,
@@ -16,7 +17,6 @@ from SDFStentLib.files import (
     size_warnings,
 )
 from SDFStentLib.geometry import Surface
-from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.validation import InputError
 

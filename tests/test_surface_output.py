@@ -7,6 +7,7 @@ from mesh_files import octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray, vtkStringArray
 
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.files import (
     add_arrays,
@@ -20,7 +21,6 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.files.plain.stl import encode_solids
 from SDFStentLib.geometry import vertex_normals
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import branch_names, find_lesions
 

@@ -7,6 +7,7 @@ import pytest
 from child_processes import python
 from cohort_cases import PLAN, document, sweep_in, tube_folder, write_sweep
 
+from benchmarks.phantoms import branching_pulmonary_artery
 from SDFStentLib import InputError
 from SDFStentLib.cohort import Cases, load_sweep, sweep_from_document, sweep_schema
 from SDFStentLib.cohort.axes import NAMES
@@ -14,7 +15,6 @@ from SDFStentLib.cohort.cases import Samples
 from SDFStentLib.cohort.constraints import Excluded
 from SDFStentLib.cohort.varied import plan_of_case
 from SDFStentLib.geometry import Line
-from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.plan import read_plan_inputs, treatment_of
 from SDFStentLib.treatment import axis_in_vessel
 

@@ -9,13 +9,13 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy
 from plain_measuring import winding_numbers
 
+from benchmarks.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import ExtendedAxis, extended_axis, through_lumen
 from SDFStentLib.lumen.spheres import inscribed
-from SDFStentLib.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.plan import load_plan, read_input_files
 from SDFStentLib.stent import AtDistalEnd, BetweenPoints, Stent
 from SDFStentLib.treatment import axis_in_vessel

@@ -9,13 +9,13 @@ from scipy.spatial import cKDTree
 from tube_files import deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings, Proxy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface, surface_from_polydata
 from SDFStentLib.geometry import Surface, boundary_edges, compacted, vertex_normals
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, Vessel
 

@@ -5,13 +5,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 from trees import unbranched
 
-from SDFStentLib import phantoms
+from benchmarks import phantoms
+from benchmarks.phantoms import arch_with_coarctation, branching_pulmonary_artery, straight_tube
 from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.files import read_surface
 from SDFStentLib.geometry import Surface, signed_volume
 from SDFStentLib.lumen import bulged_caps, diameter_profile, inscribed_spheres
-from SDFStentLib.phantoms import arch_with_coarctation, branching_pulmonary_artery, straight_tube
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
 from SDFStentLib.treatment import Preview, Treatment
 from SDFStentLib.validation import InputError

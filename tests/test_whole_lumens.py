@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from lesion_cases import bifurcation_case
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.centerline import Centerline, joined_lumens
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import measured_at, measured_once, open_at_ends
-from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment
 from SDFStentLib.vessel import find_lesions

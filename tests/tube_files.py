@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.cli import main
 from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays, polydata_from_lines
-from SDFStentLib.phantoms import stenosed_tube
 
 INPUTS = {"units": "cm", "surface": {"file": "tube.vtp"}, "centerline": {"file": "line.vtp"}}
 PLACE = ["--center", "0", "0", "2", "--length", "20"]  # cm; the throat of the tube

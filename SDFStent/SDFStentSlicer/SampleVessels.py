@@ -1,4 +1,4 @@
-"""Synthetic vessels in Slicer's Sample Data, made on the spot: nothing is downloaded."""
+"""Synthetic vessels in Slicer's Sample Data, from files of the library: nothing is downloaded."""
 
 import pathlib
 
@@ -10,8 +10,11 @@ from SDFStentLib.files import (
     add_arrays,
     polydata_from_arrays,
     polydata_from_lines,
+    read_centerline,
+    read_surface,
     set_face_names,
 )
+from SDFStentLib.samples import sample
 
 CATEGORY = "SDF Stent"
 
@@ -23,7 +26,7 @@ def registerSampleData():
     icons = pathlib.Path(__file__).resolve().parents[1] / "Resources" / "Icons"
     logic = SampleData.SampleDataLogic
     known = [source.sampleName for source in logic.sampleDataSourcesByCategory(CATEGORY)]
-    for name, phantomName in (
+    for name, sampleName in (
         ("StenosedPulmonaryArtery", "branching_pulmonary_artery"),
         ("AortaWithCoarctation", "arch_with_coarctation"),
     ):
@@ -36,38 +39,40 @@ def registerSampleData():
             uris="",
             fileNames="",
             nodeNames="",
-            customDownloader=lambda source, phantomName=phantomName, name=name: _bring(
-                phantomName, name
+            customDownloader=lambda source, sampleName=sampleName, name=name: _bring(
+                sampleName, name
             ),
         )
 
 
-def _bring(phantomName, name):
+def _bring(sampleName, name):
     """What a click in Sample Data does: the vessel and its centerline, and the 3D view looks at them."""
-    nodes = addSampleVessel(phantomName, name)
+    nodes = addSampleVessel(sampleName, name)
     layoutManager = slicer.app.layoutManager()
     if layoutManager is not None:
         layoutManager.resetThreeDViews()
     return nodes
 
 
-def addSampleVessel(phantomName, name, scene=None):
-    """A phantom of the library as two nodes: vessel model and centerline model, returned in this order."""
-    from SDFStentLib import phantoms
+def addSampleVessel(sampleName, name, scene=None):
+    """A sample of the library as two nodes: vessel model and centerline model, returned in this order."""
+    files = sample(sampleName)
+    wall = read_surface(files.surface)
+    return addVessel(wall.surface, wall.faces, read_centerline(files.centerline), name, scene)
 
+
+def addVessel(surface, faces, centerline, name, scene=None):
+    """A vessel of the library as two nodes: vessel model, with the library's `faces`, and centerline model."""
     scene = scene or slicer.mrmlScene
-    phantom = getattr(phantoms, phantomName)()
-    surface = polydata_from_arrays(
-        phantom.points.astype(np.float32),
-        phantom.triangles,
-        cell_arrays={"ModelFaceID": phantom.face_ids},
+    polyData = polydata_from_arrays(
+        surface.points.astype(np.float32), surface.triangles, cell_arrays={"ModelFaceID": faces.ids}
     )
-    set_face_names(surface, phantom.faces.names)
-    vessel = _addModel(scene, name, surface)
+    set_face_names(polyData, faces.names)
+    vessel = _addModel(scene, name, polyData)
     vessel.GetDisplayNode().SetOpacity(0.5)
     vessel.GetDisplayNode().SetColor(0.85, 0.45, 0.4)
     centerline = _addModel(
-        scene, _("{name} centerline").format(name=name), centerlinePolyData(phantom.centerline)
+        scene, _("{name} centerline").format(name=name), centerlinePolyData(centerline)
     )
     centerline.GetDisplayNode().SetLineWidth(3)
     return [vessel, centerline]

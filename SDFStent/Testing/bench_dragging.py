@@ -26,7 +26,7 @@ from sdfstent_host import Host
 MOVES = 60
 FOLLOWED_S = 10.0
 LONG = 120.0
-SYNTHETIC, TREE = "branching_pulmonary_artery", "vascular_tree"
+SYNTHETIC = "branching_pulmonary_artery"
 LENGTHS = (6.0, 10.0, 14.0, 20.0)
 
 
@@ -64,7 +64,7 @@ def theVessels(arguments):
     """Name and a function that adds vessel and centerline to the scene, per case."""
     from SDFStentSlicer import SampleVessels
 
-    from SDFStentLib import phantoms
+    from benchmarks.phantoms import vascular_tree
 
     yield "artery", lambda: theArtery(arguments)
     for times in filter(None, arguments.subdivisions):
@@ -74,8 +74,12 @@ def theVessels(arguments):
             return subdivided(vessel, times), centerline
 
         yield "artery, subdivided", fine
-    if arguments.tree and hasattr(phantoms, TREE):
-        yield "tree", lambda: SampleVessels.addSampleVessel(TREE, "Tree")
+    if arguments.tree:
+        made = vascular_tree()
+        yield (
+            "tree",
+            lambda: SampleVessels.addVessel(made.surface, made.faces, made.centerline, "Tree"),
+        )
 
 
 def thePanel(host, nodes):

@@ -5,7 +5,7 @@ import numpy as np
 
 def theThroat():
     """The narrowest place of the pulmonary artery."""
-    from SDFStentLib.phantoms import branching_pulmonary_artery
+    from benchmarks.phantoms import branching_pulmonary_artery
 
     return branching_pulmonary_artery().throat.point
 

@@ -12,8 +12,8 @@ from vtk.util.numpy_support import vtk_to_numpy
 @pytest.fixture
 def theFiles(aStent, tmp_path):
     """The panel with a stent, its inputs in files, and a straight mesh of 8 mm and 12 mm as a file."""
+    from benchmarks.phantoms import straight_tube
     from SDFStentLib.files import encode_vtp, polydata_from_arrays
-    from SDFStentLib.phantoms import straight_tube
 
     parameters = aStent._parameterNode
     for node in (parameters.vessel, parameters.centerline):

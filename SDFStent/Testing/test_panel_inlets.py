@@ -12,16 +12,17 @@ CAVAL = "inferior caval vein", "superior caval vein"
 @pytest.fixture
 def aFontan(host, aPanel):
     """The panel with the connection of both caval veins, and a stent in the narrow conduit."""
-    from SDFStentSlicer.SampleVessels import addSampleVessel
+    from SDFStentSlicer.SampleVessels import addVessel
 
-    from SDFStentLib.phantoms import cavopulmonary_connection
+    from benchmarks.phantoms import cavopulmonary_connection
 
     ui = aPanel.ui
-    vessel, centerline = addSampleVessel("cavopulmonary_connection", "Fontan")
+    made = cavopulmonary_connection()
+    vessel, centerline = addVessel(made.surface, made.faces, made.centerline, "Fontan")
     ui.vesselSelector.setCurrentNode(vessel)
     ui.centerlineSelector.setCurrentNode(centerline)
     host.click(ui.addStentButton)
-    throat = cavopulmonary_connection().throat.point
+    throat = made.throat.point
     aPanel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *throat)
     ui.diameterSlider.value, ui.lengthSlider.value = 16.0, 30.0
     settle(host, aPanel)

@@ -32,7 +32,7 @@ def aTube():
     """A function: wall and centerline of a tube of 6 mm that is narrowed to 3.6, in another unit, with or without radii."""
     from SDFStentSlicer.SampleVessels import centerlinePolyData
 
-    from SDFStentLib.phantoms import stenosed_tube
+    from benchmarks.phantoms import stenosed_tube
 
     made = stenosed_tube(edge_length=0.8)
 

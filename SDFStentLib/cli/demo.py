@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
+
 from ..cautions import Caution
-from ..files import (
-    add_arrays,
-    encode_vtp,
-    polydata_from_arrays,
-    polydata_from_lines,
-    set_face_names,
-    set_frame_of_polydata,
-)
-from ..phantoms import Phantom, branching_pulmonary_artery
 from ..plan import (
     InputFiles,
     Plan,
@@ -33,6 +25,7 @@ from ..report import (
     plan_report,
     write_report,
 )
+from ..samples import Sample, sample
 from ..stent import BetweenPoints, Stent
 from ..validation import DeploymentError
 from .console import Console, tell
@@ -42,9 +35,12 @@ BALLOON_DIAMETER = 7.5
 """Balloon diameter of the demo, mm: after recoil it leaves the 7 mm of the healthy branch, as
 `suggest` proposes."""
 
-STENT_ENDS = (26.0, 37.0)
-"""Arc lengths of the stent's ends on the main and left pulmonary artery, mm: the stent covers the
-whole lesion and hardly the other branch, whose junction is at 24."""
+STENT_ENDS = (
+    (-1.7487059515398227, 0.0, 25.739214543510403),
+    (-9.130601228128125, 0.0, 33.663133959253415),
+)
+"""Places of the stent's ends on the main and left pulmonary artery, mm, 26 and 37 mm from the
+inlet: the stent covers the whole lesion and hardly the other branch, whose junction is at 24."""
 
 NOT_CERTIFIED = 3
 
@@ -54,20 +50,19 @@ def demo_command(options: argparse.Namespace, console: Console) -> int:
     start = perf_counter()
     folder = Path(options.output)
     outputs = Outputs(folder=folder)
-    phantom = branching_pulmonary_artery()
-    with tempfile.TemporaryDirectory(prefix="sdfstent-") as workshop:
-        originals = _written_patient(phantom, Path(workshop))
-        inputs = _placed_in(folder, read_input_files(originals[0], originals[1]))
-        plan = _plan(phantom, inputs)
-        treatment = treatment_of(plan, inputs)
-        with console.progress("Deploying") as show:
-            for state in treatment:
-                show(state.fraction)
-        result = PlanResult(plan, inputs, treatment.result)
-        for original in originals:
-            outputs.add(folder / original.name, _writing(original.read_bytes()))
-        missing = _add_results(outputs, folder, result)
-        outputs.write()
+    patient = sample("branching_pulmonary_artery")
+    copies = Sample(folder / "surface.vtp", folder / "centerline.vtp")
+    inputs = _placed_at(copies, read_input_files(*patient))
+    plan = _plan(inputs)
+    treatment = treatment_of(plan, inputs)
+    with console.progress("Deploying") as show:
+        for state in treatment:
+            show(state.fraction)
+    result = PlanResult(plan, inputs, treatment.result)
+    for original, copy in zip(patient, copies, strict=True):
+        outputs.add(copy, _writing(original.read_bytes()))
+    missing = _add_results(outputs, folder, result)
+    outputs.write()
     tell(result, (*result.warnings, *result.size_warnings, *missing), console)
     console.say(
         f"Wrote {folder} in {perf_counter() - start:.1f} s: report.html to read, "
@@ -78,21 +73,18 @@ def demo_command(options: argparse.Namespace, console: Console) -> int:
     return 0 if certificate.passed else NOT_CERTIFIED
 
 
-def _placed_in(folder: Path, inputs: InputFiles) -> InputFiles:
-    """The inputs with the paths of their final places: plan and report outlive the temporary
-    folder."""
-    surface, line_file = inputs.surface, inputs.line_file
-    assert line_file is not None
+def _placed_at(files: Sample, inputs: InputFiles) -> InputFiles:
+    """The inputs with the paths of their copies, to which plan and report refer."""
+    assert inputs.line_file is not None
     return replace(
         inputs,
-        surface=replace(surface, path=folder / surface.path.name),
-        line_file=replace(line_file, path=folder / line_file.path.name),
+        surface=replace(inputs.surface, path=files.surface),
+        line_file=replace(inputs.line_file, path=files.centerline),
     )
 
 
-def _plan(phantom: Phantom, inputs: InputFiles) -> Plan:
-    ends = phantom.axis_at(STENT_ENDS)
-    place = BetweenPoints(*ends)
+def _plan(inputs: InputFiles) -> Plan:
+    place = BetweenPoints(*np.array(STENT_ENDS))
     stent = Stent(BALLOON_DIAMETER, placement=place, name="left pulmonary artery")
     stent = inputs.vessel.inflated(stent, BALLOON_DIAMETER)
     assert inputs.line_file is not None
@@ -102,23 +94,6 @@ def _plan(phantom: Phantom, inputs: InputFiles) -> Plan:
         centerline=input_file(inputs.line_file),
         frame=inputs.surface.frame,
     )
-
-
-def _written_patient(phantom: Phantom, folder: Path) -> list[Path]:
-    """Write the surface with SimVascular's face ids, and the centerline as VMTK would give it."""
-    surface = polydata_from_arrays(
-        phantom.points, phantom.triangles, cell_arrays={"ModelFaceID": phantom.face_ids}
-    )
-    set_face_names(surface, phantom.faces.names)
-    tree = phantom.centerline
-    lines = polydata_from_lines(tree.points, [tree.ancestry(int(leaf)) for leaf in tree.leaves])
-    add_arrays(lines, {"MaximumInscribedSphereRadius": tree.inscribed_radius}, {})
-    paths = []
-    for name, polydata in (("surface.vtp", surface), ("centerline.vtp", lines)):
-        set_frame_of_polydata(polydata, "RAS")
-        paths.append(folder / name)
-        paths[-1].write_bytes(encode_vtp(polydata))
-    return paths
 
 
 def _add_results(outputs: Outputs, folder: Path, result: PlanResult) -> list[Caution]:

@@ -13,11 +13,11 @@ class SDFStentLogicTest(ScriptedLoadableModuleTest):
         slicer.mrmlScene.Clear(0)
 
     def test_bothSampleVesselsCanBeStented(self):
-        for phantomName in ("branching_pulmonary_artery", "arch_with_coarctation"):
+        for sampleName in ("branching_pulmonary_artery", "arch_with_coarctation"):
             self.setUp()
             logic = SDFStentLogic()
             parameters = logic.getParameterNode()
-            parameters.vessel, parameters.centerline = addSampleVessel(phantomName, "Vessel")
+            parameters.vessel, parameters.centerline = addSampleVessel(sampleName, "Vessel")
             logic.addStent(parameters, length=15.0)
             self.assertTrue(logic.deploy(parameters).certificate.passed)
 

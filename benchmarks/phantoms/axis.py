@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import dot
-from ..validation import Floats, InputError, Points, as_point, as_points
+from SDFStentLib.geometry import dot
+from SDFStentLib.validation import Floats, InputError, Points, as_point, as_points
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import boundary_edges, connected, dot, edges, is_manifold
-from ..validation import Flags, Floats, Indices, InputError, Points, Triangles
+from SDFStentLib.geometry import boundary_edges, connected, dot, edges, is_manifold
+from SDFStentLib.validation import Flags, Floats, Indices, InputError, Points, Triangles
+
 from .field import Rim, TubeUnion
 from .mesh import FacedMesh, flipped, with_cap
 

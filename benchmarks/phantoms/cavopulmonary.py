@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..validation import Floats, as_number, read_only
+from SDFStentLib.validation import Floats, as_number, read_only
+
 from .axis import narrowing, planar_axis
 from .field import TubeField, TubeUnion
 from .junction import branching_tube

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import Centerline
-from ..geometry import Surface, ranges, smooth_minimum
-from ..validation import Floats, Indices, Points, as_number, read_only
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.geometry import Surface, ranges, smooth_minimum
+from SDFStentLib.validation import Floats, Indices, Points, as_number, read_only
+
 from .axis import narrowing, planar_axis
 from .field import FieldValues, TubeField, TubeUnion
 from .junction import branching_tube

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import dot, edges, face_normals
-from ..validation import Floats, Indices, Points, Triangles
+from SDFStentLib.geometry import dot, edges, face_normals
+from SDFStentLib.validation import Floats, Indices, Points, Triangles
+
 from .axis import TrueAxis
 
 ROW_HEIGHT = np.sqrt(0.75)

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import dot, norm, smooth_minimum
-from ..validation import Floats, Points
+from SDFStentLib.geometry import dot, norm, smooth_minimum
+from SDFStentLib.validation import Floats, Points
+
 from .axis import TrueAxis
 
 SAMPLE_SPACING = 0.1

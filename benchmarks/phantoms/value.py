@@ -9,9 +9,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..centerline import Centerline
-from ..geometry import NamedFaces, Surface
-from ..validation import Floats, Points, Triangles, read_only
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.geometry import NamedFaces, Surface
+from SDFStentLib.validation import Floats, Points, Triangles, read_only
+
 from .axis import TrueAxis, inscribed_radii
 from .mesh import FacedMesh
 

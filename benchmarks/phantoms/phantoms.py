@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..validation import Floats, InputError, as_number, read_only
+from SDFStentLib.validation import Floats, InputError, as_number, read_only
+
 from .axis import TrueAxis, helical_axis, narrowing, planar_axis
 from .field import TubeField, TubeUnion
 from .junction import branching_tube

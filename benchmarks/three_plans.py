@@ -1,6 +1,6 @@
 """The paper's figure of three configurations: stents in main branches, daughter branches, or all.
 
-    python docs/three_plans.py DIR [--phantom]
+    python -m benchmarks.three_plans DIR [--phantom]
 
 The patient is the pulmonary artery of `SDFSTENT_DATA` (by default ../shared/data beside the
 project) where that is present, else, and with --phantom, a synthetic tree whose branches are
@@ -13,9 +13,9 @@ import os
 import sys
 from pathlib import Path
 
+from benchmarks.phantoms import vascular_tree
 from SDFStentLib.cli import main as sdfstent
 from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays, polydata_from_lines
-from SDFStentLib.phantoms import vascular_tree
 
 DATA = Path(os.environ.get("SDFSTENT_DATA", Path(__file__).parents[2] / "shared" / "data"))
 SURFACE, CENTERLINE = "pulmonary_surface_cm.vtp", "pulmonary_centerline_cm.vtp"
