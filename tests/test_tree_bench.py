@@ -12,6 +12,7 @@ sys.path.insert(0, str(PROJECT))
 
 from benchmarks.trees import treated
 from benchmarks.trees.case import TreeCase, save
+from benchmarks.trees.hourglass import _is_one_vessel
 from benchmarks.trees.hourglass import narrowed as hourglass_narrowed
 from benchmarks.trees.judge import Reported, _off, judged
 from benchmarks.trees.layout import VesselTree
@@ -122,6 +123,17 @@ def test_a_vessel_that_ends_is_not_narrowed_there():
         truths((before, walls[0]), (after, walls[1]), one)
 
 
+def test_where_a_vessel_was_as_narrow_before_is_no_narrowing_that_was_made():
+    """A made one of 21 % was none, and a branch's own narrow beginning beside it was the truth."""
+    before = line_tree(lambda at: 2.0 - 0.7 * np.exp(-(((at - 22.0) / 1.5) ** 2)), length=44.0)
+    factor = cosine(0.12, 12.0, 18.0)(before.arc_length)
+    one = MadeNarrowing("hourglass", np.arange(len(before.points)), (12.0, 30.0), (), factor)
+    after = narrowed(before, [one])
+    walls = [wall_of(tree, 0.4, "capped") for tree in (before, after)]
+    with pytest.raises(ValueError, match="so before"):
+        truths((before, walls[0]), (after, walls[1]), one)
+
+
 def test_the_sphere_search_agrees_with_a_search_for_the_widest_way_through():
     """Through the voxels of a grid: the widest sphere that gets from one end to the other."""
     from scipy.ndimage import label
@@ -202,6 +214,19 @@ def test_an_hourglass_narrows_all_that_lies_in_its_vessel_and_nothing_else():
     np.testing.assert_allclose(after[:61], 4.0 * factor)
     np.testing.assert_allclose(after[61:64], 1.5)
     np.testing.assert_allclose(after[64:], 3.0)
+
+
+def test_an_hourglass_is_at_a_fork_where_its_way_leaves_the_vessel_or_that_divides():
+    line = np.column_stack([np.zeros(61), np.zeros(61), np.arange(61.0)])
+    beside = np.column_stack([np.arange(1.0, 41.0), np.zeros(40), np.full(40, 30.0)])
+    parent = np.r_[-1, np.arange(60), 30, 61 + np.arange(39)]
+    way, aside = np.arange(61), np.r_[np.arange(31), 61 + np.arange(40)]
+    for small, ways in ((2.0, [True, False]), (3.9, [False, False])):
+        radius = np.r_[np.full(61, 4.0), np.full(40, small)]
+        tree = VesselTree(np.vstack([line, beside]), radius, parent)
+        found = [_is_one_vessel(tree, one, np.arange(20, 40)) for one in (way, aside)]
+        assert found == ways
+        assert _is_one_vessel(tree, aside, np.arange(32, 50))
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from ..common import Found, markdown
 from .case import NONE, load, made_case, read_wall, save
 from .hourglass import hourglass_case
 from .judge import asked, judged, outlets_told
-from .narrowing import HOURGLASS, SHAPES
+from .narrowing import AT_FORK, HOURGLASS, SHAPES
 from .pressed import pressed_case
 
 TOTAL = "all"
@@ -80,7 +80,7 @@ def summary(cases: Sequence[Found]) -> Found:
     """Rows by shape and for all; `invented` counts by the shape `NONE` in trees without one."""
     rows = []
     verdicts = [one for case in cases for one in case["verdicts"]]
-    for shape in (*SHAPES, HOURGLASS, NONE, TOTAL):
+    for shape in (*SHAPES, HOURGLASS, AT_FORK, NONE, TOTAL):
         mine = [one for one in verdicts if shape in (one["shape"], TOTAL)]
         about = [case for case in cases if _is_about(case, shape)]
         if not about:

@@ -1,11 +1,13 @@
 """Trees of patients' radii with hourglasses anywhere, also where the vessel tapers or divides.
 
 Nothing is asked of the vessel about a narrowing but that its caliber there is that of both ends of
-it: what tells them apart from `narrowing.py` is that no place is chosen because it is even.
+it: what tells them apart from `narrowing.py` is that no place is chosen because it is even. Those
+at a fork, half of them, have a row of their own.
 """
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from .case import MEASURED, TreeCase
 from .layout import VesselTree, read_tree, resampled, turned, with_some_ends
-from .narrowing import HOURGLASS, LEAST_THROAT, MadeNarrowing
+from .narrowing import AT_FORK, HOURGLASS, LEAST_THROAT, MadeNarrowing, goes_on
 from .pressed import tree_of_lines
 from .surface import wall_near, wall_of
 from .truth import Truth, truths
@@ -43,7 +45,7 @@ _BEYOND = 3.0
 def hourglass_case(seed: int, number: int, data: Path, only: str | None = None) -> TreeCase:
     """The case of a number, of every tenth, the fourth first, without a narrowing.
 
-    There is one shape, whatever `only` says.
+    Its shapes do not depend on `only`.
     """
     random = np.random.default_rng([seed, number, 2])
     name = _PATIENTS[number % len(_PATIENTS)]
@@ -106,7 +108,22 @@ def _tried(tree: VesselTree, random: np.random.Generator) -> MadeNarrowing | Non
         and LEAST_THROAT <= throat <= (1 - _SHALLOW) * ends.min()
         and about.min() >= _EVEN[0] * ends.min() and about.max() <= _EVEN[1] * ends.max()
     )  # fmt: skip
-    return MadeNarrowing(HOURGLASS, path, (begin, end), (middle,), factor) if is_fair else None
+    if not is_fair:
+        return None
+    near = np.flatnonzero((along > begin - _BEYOND) & (along < end + _BEYOND))
+    shape = HOURGLASS if _is_one_vessel(tree, path, near) else AT_FORK
+    return MadeNarrowing(shape, path, (begin, end), (middle,), factor)
+
+
+def _is_one_vessel(tree: VesselTree, path: np.ndarray, part: np.ndarray) -> bool:
+    """Whether a part of a way, numbers (n,) of its points, is of one vessel."""
+    for fork, onward in itertools.pairwise(path[part[0] : part[-1] + 2].tolist()):
+        children = tree.children[fork]
+        if len(children) > 1 and not (
+            goes_on(tree, fork) and onward == max(children, key=lambda one: tree.calibers[one])
+        ):
+            return False
+    return True
 
 
 def _reach(tree: VesselTree, one: MadeNarrowing) -> np.ndarray:

@@ -10,7 +10,11 @@ import numpy as np
 from .layout import VesselTree
 
 HOURGLASS = "hourglass"
-"""The shape of `hourglass.py`, anywhere in a tree."""
+"""The shape of `hourglass.py`, anywhere along a vessel of a tree."""
+
+AT_FORK = "hourglass at a fork"
+"""The same where the vessel divides, or the way leaves it, between the healthy parts on both sides:
+the caliber of one of them is that of another vessel, and several degrees may be called right."""
 
 SHAPES = ("focal", "long", "ostial", "tandem apart", "tandem merged", "across", "tapering")
 
@@ -216,10 +220,10 @@ def _is_even(
     line = np.polynomial.Polynomial.fit(along[inner], radius[inner], slope)(along[inner])
     if np.abs(radius[inner] / line - 1).max() > _UNEVEN:
         return False
-    return all(_goes_on(tree, n) for n in vessel[inner].tolist() if len(tree.children[n]) > 1)
+    return all(goes_on(tree, n) for n in vessel[inner].tolist() if len(tree.children[n]) > 1)
 
 
-def _goes_on(tree: VesselTree, fork: int) -> bool:
+def goes_on(tree: VesselTree, fork: int) -> bool:
     """Whether a vessel goes on through a fork: it keeps its caliber, and the branch is small."""
     *small, large = sorted(tree.calibers[child] for child in tree.children[fork])
     return large > 0.78 * tree.radius[fork] and max(small) < 0.7 * large

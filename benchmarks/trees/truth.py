@@ -195,6 +195,8 @@ def truths(
     if len(parts) != (2 if narrowing.shape == "tandem apart" else 1):
         raise ValueError(f"{narrowing.shape}: {len(parts)} parts")
     lowest = [first + int(np.argmin(wide[first : last + 1])) for first, last in parts]
+    if (wide[lowest] > HEALTHY * np.interp(along[lowest], healthy[0].along, healthy[2])).any():
+        raise ValueError(f"{narrowing.shape}: narrowest where the vessel was so before")
     if is_ostial and lowest[0] == parts[0][0]:
         raise ValueError("ostial: narrowest at the parent's end")
     narrow = [
