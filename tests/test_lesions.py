@@ -13,7 +13,7 @@ from trees import unbranched, with_radius
 
 from benchmarks.phantoms.axis import planar_axis
 from benchmarks.phantoms.mesh import swept_tube
-from SDFStentLib.centerline import Centerline, Stretch
+from SDFStentLib.centerline import USUAL, Centerline, Stretch
 from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Line, Surface
@@ -241,7 +241,7 @@ def test_a_vessel_is_inside_although_its_line_begins_outside_of_an_open_end():
     (known,) = find_lesions(made.surface, made.centerline)
     (found,) = find_lesions(wall, made.centerline.with_points(line))
     # Its stations lie elsewhere.
-    assert found.percent_diameter == pytest.approx(known.percent_diameter, abs=0.1)
+    assert found.percent_diameter == pytest.approx(known.percent_diameter, abs=0.15)
 
 
 def test_an_open_anatomy_has_the_lesions_of_the_closed_one(data_dir):
@@ -258,13 +258,13 @@ def leaving(diameter, start):
 
 
 @pytest.mark.parametrize(
-    ("caliber", "ostium", "vessels"), [(3.5, 1.4, [0]), (3.5, 1.0, [1, 0]), (5.0, 1.4, [1])]
+    ("caliber", "ostium", "vessels"), [(3.5, 1.4, [0]), (3.5, 1.0, [0]), (5.0, 1.4, [0])]
 )
 def test_the_ostium_of_a_branch_within_its_parent_s_narrowing_is_the_same_lesion(
     caliber, ostium, vessels
 ):
-    """The branch was told as a second one: it begins as narrow as the wall that it leaves. What is
-    told of a branch leaves its parent's own narrowing, unless the vessel goes on in it as well."""
+    """The branch was told as a second one, or in place of it: it begins as narrow as the wall that
+    it leaves, before the parent is narrowest. That is the parent's own."""
     along = np.arange(0, 60.1, 0.5)
     bump = np.clip(1 - np.abs(along - 30) / 6, 0, 1)
     parent = vessel_along(5 - 3.2 * bump)._replace(side_branches=(SideBranch(29.0, caliber, 1),))
@@ -272,6 +272,46 @@ def test_the_ostium_of_a_branch_within_its_parent_s_narrowing_is_the_same_lesion
     child = leaving(caliber - (caliber - ostium) * np.clip(1 - beyond / 4, 0, 1), 29.0)
     assert len(narrowings(child)) == 1
     assert [one.vessel for one in _found([parent, child], [0, 1])] == vessels
+
+
+def test_a_narrowing_is_told_though_a_branch_as_wide_leaves_its_throat_still_narrower():
+    """57 % of the vessel were dropped for 67 % of the branch, whose ostium is the same wall."""
+    along = np.arange(0, 60.1, 0.5)
+    parent = vessel_along(4.3 - 2.45 * np.clip(1 - np.abs(along - 30) / 4, 0, 1))
+    parent = parent._replace(side_branches=(SideBranch(29.0, 5.0, 1),))
+    beyond = np.arange(0, 25.1, 0.5)
+    child = leaving(np.interp(beyond, [0, 1, 5], [1.4, 1.4, 4.3]), 29.0)
+    outside = child._replace(line=Line(child.points + np.array([1.5, 0.0, 0.0])))
+    assert [one.vessel for one in _found([parent, child], [0, 1])] == [0]
+    # Beside the throat it is a place of its own.
+    assert [one.vessel for one in _found([parent, outside], [0, 1])] == [0, 1]
+
+
+def test_what_is_over_where_the_vessel_goes_on_in_a_branch_is_told_there_if_that_is_tighter():
+    """Of one narrowing of 2.5 mm in a branch, 3.3 mm of the vessel before it were told, too."""
+    along = np.arange(0, 60.1, 0.5)
+    parent = vessel_along(np.interp(along, [24, 28, 30, 31.5], [5.5, 3.3, 3.5, 4.7]))
+    beyond = np.arange(0, 25.1, 0.5)
+    child = leaving(np.interp(beyond, [0, 1, 4], [2.6, 2.6, 4.7]), 31.5)
+    runs = [parent, child._replace(caliber=4.7)]
+    assert [one.vessel for one in _found(runs, [0, 1])] == [1]
+    # A branch that is much narrower is another vessel.
+    aside = child._replace(line=Line(child.points + np.array([2.5, 0.0, 0.0])), caliber=3.0)
+    assert [one.vessel for one in _found([parent, aside], [0, 1])] == [0, 1]
+
+
+def test_a_narrow_twig_at_the_end_of_a_trunk_takes_no_lesion_from_it():
+    """65 % of the trunk were dropped for 48 % of a vessel of 3.7 mm that leaves its end."""
+    trunk = vessel_along(through((0, 13), (34, 13), (46, 3.9)))
+    division = (SideBranch(46.0, 10.6, 1), SideBranch(46.0, 3.7, 2))
+    onward = vessel_along(through((0, 4.2), (8, 10.3), (24, 10.3)), 0, start=46.0)
+    twig = leaving(through((0, 2.5), (10, 1.9), (20, 3.6), (40, 3.6)), 46.0)
+    runs = [
+        trunk._replace(division=division),
+        onward._replace(is_onward=True, caliber=10.6),
+        twig._replace(caliber=3.7),
+    ]
+    assert _found(runs, [0, 1, 2])[0].vessel == 0
 
 
 def test_a_branch_s_own_narrowing_beyond_its_parent_s_is_another_lesion():
@@ -367,7 +407,7 @@ def test_a_vessel_that_divides_into_narrower_ones_is_as_wide_as_it_is():
     )
     branches = (SideBranch(29.0, 5.7, 1), SideBranch(29.0, 2.9, 2))
     (one,) = narrowings(vessel_along(wide)._replace(division=branches))
-    usual = np.median(wide[np.argmin(wide) + 1 :])
+    usual = np.quantile(wide[np.argmin(wide) + 1 :], USUAL)
     assert usual > 7.0
     assert one.reference.at(np.array([one.narrowest]))[0] == pytest.approx(usual, rel=0.04)
 
@@ -411,7 +451,7 @@ def test_no_area_is_told_without_a_section_at_the_throat(throat, is_known):
 
 @pytest.mark.parametrize(
     ("begins", "ends", "is_onward", "count"),
-    [(3.4, 3.5, False, 0), (3.1, 3.5, False, 1), (3.4, 3.5, True, 1), (3.9, 3.5, True, 0),
+    [(3.4, 3.5, False, 0), (3.1, 3.5, False, 1), (3.4, 3.5, True, 1), (4.1, 3.5, True, 0),
      (2.8, 16.0, False, 0)],
 )  # fmt: skip
 def test_a_vessel_that_begins_narrow_is_told_if_healthy_ones_hardly_begin_so(
@@ -420,6 +460,32 @@ def test_a_vessel_that_begins_narrow_is_told_if_healthy_ones_hardly_begin_so(
     """Healthy branches begin narrower than they go on, and widen slowly."""
     widening = vessel_along(through((0, begins), (ends, 5), (40, 5)), parent=0)
     assert len(narrowings(widening._replace(is_onward=is_onward))) == count
+
+
+def test_a_vessel_that_tapers_far_beyond_its_narrow_ostium_is_no_aneurysm():
+    """65 % were not told as, 50 mm farther on, the vessel was as narrow as at its ostium."""
+    wide = through((0, 3.8), (2, 3.8), (10, 10), (14, 8.8), (20, 7.6), (60, 3.6), (80, 3.5))
+    (one,) = narrowings(vessel_along(wide, parent=0))
+    assert (one.narrowest < 3, round(one.degree, 1)) == (True, 0.6)
+    # What is wider only as long as the ostium is is one.
+    focal = through((0, 4.0), (2, 4.0), (10, 7.6), (18, 4.0), (60, 4.0))
+    assert not narrowings(vessel_along(focal, parent=0))
+
+
+def test_the_funnel_of_an_ostium_before_a_narrowing_is_no_healthy_vessel():
+    """46 % of 4.4 mm were told as 53 % of 5.2."""
+    funnel = through((0, 7.5), (3, 5.3), (7, 4.3), (8, 4.2), (13, 2.1), (17, 4.4), (40, 4.4))
+    assert reference_of(funnel, parent=0) == pytest.approx(4.4, abs=0.2)
+
+
+def test_a_vessel_that_goes_on_in_another_one_is_healthy_from_its_first_station():
+    """33 % between 13 and 10.5 mm were not told: it is known for less than its diameter above."""
+    wide = through((0, 13), (4, 12.8), (9, 8.6), (13, 10.4), (40, 10.4))
+    vessel = vessel_along(wide, parent=0)
+    (one,) = narrowings(vessel._replace(is_onward=True))
+    assert one.reference.proximal.diameter > 12
+    assert 0.17 < one.degree < 0.34
+    assert not narrowings(vessel)
 
 
 def test_a_long_gentle_narrowing_is_measured_beyond_its_foot():

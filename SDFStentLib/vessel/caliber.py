@@ -38,13 +38,14 @@ class Caliber(NamedTuple):
     kept: Floats
     """(n,) the widths that are kept about a place; 0 where none is, as beside a junction."""
     is_cut: tuple[bool, bool]
-    """Whether an inlet or outlet cuts it off where it begins and ends: it goes on beyond."""
+    """Whether it goes on beyond where it begins and ends: an inlet or outlet cuts it off, or its
+    parent goes on in it."""
 
 
 def caliber_of(run: VesselRun) -> Caliber:
     """The caliber along a vessel, which has a station where it is known."""
     along, diameter = _close_places(run)
-    is_cut = run.parent < 0, not run.division
+    is_cut = run.parent < 0 or run.is_onward, not run.division
     half = KEPT * diameter / 2
     first = np.searchsorted(along, along - half)
     last = np.searchsorted(along, along + half, side="right")

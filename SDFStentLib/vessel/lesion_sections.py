@@ -11,7 +11,8 @@ import numpy as np
 from ..geometry import Line, Surface, compacted, may_meet_box
 from ..lumen import equivalent_diameters
 from ..validation import Floats, Points, Triangles
-from .narrowings import HEALTHY, Plateau
+from .caliber import KEPT
+from .narrowings import Plateau
 from .runs import VesselRun
 
 SECTIONS = 16
@@ -173,7 +174,7 @@ class HealthySections:
 
 def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points, Floats]:
     """Places (k, 3) along healthy vessel with its directions and inscribed diameters (k,)."""
-    half = HEALTHY * side.diameter / 2
+    half = KEPT * side.diameter / 2
     at = np.linspace(side.arc_length - half, side.arc_length + half, _HEALTHY_SECTIONS)
     at = np.clip(at, run.along[0], run.along[-1])
     line, ways = (

@@ -30,7 +30,7 @@ from .caliber import healthy_caliber
 from .lesion_measuring import lesions_after, measured
 from .lesion_sections import HealthySections
 from .lesion_value import HealthyPlace, Lesion, reference_words
-from .narrowings import SMALLEST_DEGREE, Narrowing, Plateau, narrowings
+from .narrowings import REGAINED, SMALLEST_DEGREE, Narrowing, Plateau, narrowings
 from .own_diameters import measured_runs
 from .runs import VesselRun, is_main
 
@@ -209,43 +209,57 @@ class _Found:
         return float(self.narrow.reference.at(np.array([self.narrow.narrowest]))[0])
 
     def holds(self, other: _Found) -> bool:
-        """Whether another one is narrowest in the healthy lumen of this one.
+        """Whether another one is narrowest in the lumen of this one.
 
-        That of a vessel is in none of its branches but those as wide, in which it goes on as well.
+        That is the healthy lumen, for one of a lower degree; else that which is left of it: beside
+        it, an ostium in the wall of a narrowing may be narrower still.
         """
-        if self.run.parent == other.vessel and self.healthy < SAME_CALIBER * other.healthy:
-            return False
         along, start = self.run.along, -np.inf if self.is_at_ostium else self.narrow.start
         inner = (along >= start) & (along <= self.narrow.end)
         away = np.linalg.norm(self.run.points[inner] - other.run.points[other.narrowest], axis=1)
-        return bool((away < self.narrow.reference.at(along[inner]) / 2).any())
+        is_lower = other.narrow.degree <= self.narrow.degree
+        wide = self.narrow.reference.at(along[inner]) if is_lower else self.run.diameter[inner]
+        return bool((away < wide / 2).any())
 
     def continues(self, other: _Found) -> bool:
-        """Whether it begins where another one, and its vessel, ends by dividing."""
-        last = other.run.along[np.isfinite(other.run.diameter)][-1]
-        is_met = self.run.parent == other.vessel and other.narrow.end >= last
-        return is_met and self.is_at_ostium and bool(other.run.division)
+        """Whether another one is over where this one begins, and its vessel goes on in this one's.
+
+        It is over where half is regained, or where its vessel ends.
+        """
+        goes_on = self.run.is_onward or self.run.caliber >= SAME_CALIBER * other.healthy
+        if self.run.parent != other.vessel or not self.is_at_ostium or not goes_on:
+            return False
+        run, fork = other.run, self.run.along[0]
+        known = np.isfinite(run.diameter)
+        along, diameter = run.along[known], run.diameter[known]
+        beyond = along[along > other.narrow.end].min(initial=run.along[-1])
+        if not other.narrow.narrowest <= fork <= beyond:
+            return False
+        least = float(run.diameter[other.narrowest])
+        regained = (np.interp(fork, along, diameter) - least) / (other.healthy - least)
+        return bool(fork >= run.along[-1] or regained >= REGAINED)
 
 
 def _found(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[_Found]:
     """The narrowings of some vessels, each once.
 
-    Of one that goes across a division the narrowest part is told. Where lines part, or branches
-    leave, what is narrowest in the healthy lumen of another one of a higher degree is that.
+    What is narrowest in the lumen of a vessel's own one, or in the healthy lumen of one of a higher
+    degree, is that: a vessel comes before its branches, which begin in its wall. But where it goes
+    on in a branch, the part of the higher degree is told.
     """
     every = [
         _Found(number, runs[number], narrow)
         for number in asked
         for narrow in narrowings(runs[number])
     ]
-    wide = {
-        id(max(pair, key=lambda one: one.run.diameter[one.narrowest]))
+    lower = {
+        id(min(pair, key=lambda one: one.narrow.degree))
         for pair in product(every, every)
         if pair[0].continues(pair[1])
     }
     kept: list[_Found] = []
-    for one in sorted(every, key=lambda one: -one.narrow.degree):
-        if id(one) not in wide and not any(other.holds(one) for other in kept):
+    for one in sorted(every, key=lambda one: (one.run.generation, -one.narrow.degree)):
+        if id(one) not in lower and not any(other.holds(one) for other in kept):
             kept.append(one)
     return kept
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..centerline import USUAL
 from ..validation import Floats
 from .caliber import ANEURYSM, KEPT, Caliber, caliber_of
 from .runs import MURRAY_EXPONENT, VesselRun
@@ -26,7 +27,7 @@ SMALLEST_ONE_SIDED = 0.35
 nobody narrowed half begin 4 % narrower than they go on, one in ten 26 %, one in fifty 34 %, and one
 41 %."""
 
-SMALLEST_ONWARD = 0.25
+SMALLEST_ONWARD = 0.2
 """The same in the widest of the branches into which a vessel divides, and those nearly as wide, for
 it goes on in them: 24 that nobody narrowed begin by 10 to 13 % narrower, one by 25 %."""
 
@@ -46,11 +47,8 @@ REGAINED = 0.5
 has regained: the valley between two throats has less."""
 
 LEVEL = 0.02
-"""Share by which healthy vessel widens over its diameter at most; what widens more is the flank of
+"""Share by which healthy vessel widens over a diameter at most; what widens more is the flank of
 a narrowing. A bell four diameters across is told to three points (0.03: 20 % as 15)."""
-
-HEALTHY = 1.0
-"""Diameters over which healthy vessel is looked at."""
 
 EDGE_DEGREE = 0.10
 """A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
@@ -214,30 +212,36 @@ def _widest(caliber: Caliber, at: int, way: int, reach: float) -> float:
 
 
 def _one_sided(caliber: Caliber, at: int, way: int) -> float:
-    """The same near a junction, but in an aneurysm: beyond that it stays as narrow as before it."""
+    """The same near a junction, but in an aneurysm.
+
+    That loses half of what it is wider as fast as a throat regains it, and beyond the vessel stays
+    as narrow as before.
+    """
     away, diameter, kept = _side(caliber, at, way)
     widest = _widest(caliber, at, way, ONE_SIDED_REACH)
-    beyond = diameter[(np.arange(len(away)) > np.argmax(kept == widest)) & (away <= REACH * widest)]
-    falls = np.flatnonzero(beyond <= diameter[0])
-    is_focal = bool(len(falls)) and np.median(beyond[falls[0] :]) <= diameter[0]
+    peak = int(np.argmax(kept == widest))
+    narrow = diameter[0] + REGAINED * (widest - diameter[0])
+    falls = diameter[peak:] <= narrow
+    is_focal = bool(falls[away[peak:] <= away[peak] + ONE_SIDED_REACH * widest].any())
+    beyond = diameter[peak:][away[peak:] <= REACH * widest]
+    back = np.flatnonzero(beyond <= diameter[0])
+    is_focal &= bool(len(back)) and bool(np.median(beyond[back[0] :]) <= diameter[0])
     return float(diameter[0] if is_focal and widest >= ANEURYSM * diameter[0] else widest)
 
 
 def _healthy(caliber: Caliber, at: int, way: int, least: float) -> Plateau | None:
-    """The first diameter from a minimum on over which a vessel as wide as that widens no more."""
+    """The first part from a minimum on over which a vessel as wide as that widens no more."""
     away, diameter, kept = _side(caliber, at, way)
     is_cut = caliber.is_cut[way > 0]
-    last = np.searchsorted(away, away + HEALTHY * kept, side="right")
+    last = np.searchsorted(away, away + KEPT * kept, side="right")
     for first in np.flatnonzero(kept >= least).tolist():
         if last[first] == len(away) and not is_cut and away[-1] - away[first] < KEPT * kept[first]:
             return None
-        if kept[first : last[first]].max() <= (1 + LEVEL) * kept[first]:
+        usual = float(np.quantile(diameter[first : last[first]], USUAL))
+        widest = kept[first : last[first]].max()
+        # What is wider than that slopes: the funnel of a junction.
+        if widest <= (1 + LEVEL * KEPT) * kept[first] and (1 - EDGE_DEGREE) * usual <= widest:
             middle = (away[first] + away[last[first] - 1]) / 2
-            usual = float(np.median(diameter[first : last[first]]))
-            is_at_end = last[first] == len(away) and not is_cut
-            if is_at_end and (1 - EDGE_DEGREE) * usual > kept[first]:
-                # It slopes: the funnel of a junction.
-                return None
             return Plateau(float(caliber.along[at] + way * middle), usual)
     return None
 
