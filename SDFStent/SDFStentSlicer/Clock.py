@@ -13,7 +13,7 @@ class QtTimer:
     """How long a turn waits for a thread at once: in Slicer threads advance only while the application waits for them."""
 
     TURN_S = (0.01, 0.5)
-    """How long a turn may take at least, and at most where frames take long to draw."""
+    """How long a turn may take at least, and at most with the frame that is drawn after it."""
 
     def __init__(self, call, milliseconds, isRepeated):
         import qt
@@ -66,10 +66,11 @@ def wait():
 def turn(away):
     """Seconds that a turn of the event loop may take where the application needs some in between, mostly to draw a frame.
 
-    Twice as long: what is begun should rather be seen in the next frame than in the next but two.
+    Twice as long, as what is begun should rather be seen in the next frame than in the next but two; but with a frame after it
+    no longer than a hand can do without an answer.
     """
     least, most = _kinds[-1].TURN_S
-    return min(max(least, 2 * away), most)
+    return max(least, min(2 * away, most - away))
 
 
 def use(kind):

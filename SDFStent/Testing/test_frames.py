@@ -115,6 +115,17 @@ def test_a_slow_frame_makes_only_those_turns_long_whose_work_is_seen(host, monke
     assert (max(turns) > 0.1) == isSeen
 
 
+@pytest.mark.parametrize("frame", [0.02, 0.1, 0.2, 0.3, 0.45, 0.6])
+def test_a_turn_and_its_frame_together_do_not_keep_a_hand_waiting(theModule, frame):
+    """Frames of 0.3 s had turns of 0.5 before them."""
+    from SDFStentSlicer import Clock
+
+    least, most = Clock.QtTimer.TURN_S
+    turn = Clock.turn(frame)
+    assert turn + frame <= most or turn == least
+    assert turn == pytest.approx(2 * frame) or turn + frame == pytest.approx(most) or turn == least
+
+
 def test_no_view_peels_depths_while_a_hand_moves(host, aStent):
     slicer.app.showMainWindow(True)
     view, node = host.application.view, host.application.view.node

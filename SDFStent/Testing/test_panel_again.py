@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from panel_helpers import deploy, handleNames, planned, settle, theThroat
 
+from SDFStentLib.report import stent_facts
+
 
 @pytest.fixture
 def twoStents(host, aStent):
@@ -156,3 +158,6 @@ def test_a_stent_that_is_dilated_again_names_the_row_that_it_then_is(host, twoSt
     assert (second.number, second.row, second.again, second.again_row) == (3, 2, 4, 3)
     assert "It is dilated again as stent 3, and lies" in ui.lumenLabel.text
     assert "stent 4" not in ui.lumenLabel.text
+    named = [stent_facts(one, None) for one in treatedStents(twoStents)]
+    words = [one.named("redilates").words for one in named if one.value("redilates") is not None]
+    assert words == ["at once", "of stent 2"]

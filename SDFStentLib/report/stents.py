@@ -80,8 +80,9 @@ def _sizes(treated: TreatedStent, covered: Sequence[TreatedLesion]) -> Iterable[
     yield Fact("_deployed", words=words + again)
     yield Fact("_whole", words=f"{words[:1].upper()}{words[1:]}, placed {placed}{again}.")
     if isinstance(stent.placement, OfStent):
-        earlier = stent.placement.number
-        yield Fact("redilates", "Redilation", after=earlier, words=f"of stent {earlier}")
+        number, row = stent.placement.number, treated.earlier_row
+        words = "at once" if row == treated.row else f"of stent {row}"
+        yield Fact("redilates", "Redilation", after=number, words=words)
     if treated.again is not None:
         yield Fact("dilated_again_as", after=treated.again)
     yield Fact(

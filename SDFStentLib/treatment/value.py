@@ -96,6 +96,8 @@ class TreatedStent(PlacedStent):
         Number of the last of the later stents that are this one, dilated again.
     again_row : int or None
         By which who reads of it counts that one; its own `row` where it is dilated again at once.
+    earlier_row : int or None
+        The same of the stent that it dilates again; None where it dilates none.
     result : DeploymentResult
         What came of it, before the stents after it.
     """
@@ -111,6 +113,7 @@ class TreatedStent(PlacedStent):
     again: int | None
     result: DeploymentResult
     again_row: int | None = field(default=None, kw_only=True)
+    earlier_row: int | None = field(default=None, kw_only=True)
 
     @property
     def moved_points(self) -> int:
