@@ -114,5 +114,9 @@ class PageDesktop:
         widget.shortcuts.append(shortcut)
         return shortcut
 
+    def onResize(self, widget: Any, action: Callable[[], Any]) -> Callable[[], None]:
+        """Do nothing: no window of a desktop is around the page."""
+        return lambda: None
+
     def layOut(self) -> None:
         """Do nothing: the browser lays the page out."""

@@ -65,6 +65,20 @@ class QtDesktop:
         shortcut.connect("activated()", action)
         return shortcut
 
+    def onResize(self, widget, action):
+        """Call `action()` whenever a widget has another size; call what is returned to have no more of it."""
+        resized = self._qt.QEvent.Resize
+
+        class Watch(self._qt.QObject):
+            def eventFilter(self, _watched, event):
+                if event.type() == resized:
+                    action()
+                return False
+
+        watch = Watch()
+        widget.installEventFilter(watch)
+        return lambda: widget.removeEventFilter(watch)
+
     def layOut(self):
         """Let layouts hear of changes, which they do one within the other, each by an event."""
         self._qt.QCoreApplication.sendPostedEvents(None, self._qt.QEvent.LayoutRequest)

@@ -85,6 +85,10 @@ class LesionTable:
         """Mark the selected lesion by its number only, so that the stent in it is seen; a click on it shows the line again."""
         self._marks.hideLine()
 
+    def followLayout(self):
+        """Let the numbers stay apart in the views that there are now."""
+        self._marks.followLayout()
+
     def clearSelection(self):
         """Select no lesion."""
         self.ui.lesionTable.clearSelection()

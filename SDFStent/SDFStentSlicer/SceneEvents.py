@@ -87,6 +87,7 @@ class SceneEvents:
 
     def onLayoutChanged(self, caller=None, event=None):
         self._state.atHand.write()
+        self.lesions.followLayout()
         self.views.onLayoutChanged(caller)
 
     def onSceneStartClose(self, caller=None, event=None):

@@ -1,7 +1,6 @@
 """The lesions of the vessel in the panel: found by themselves, gone to by a click, treated by Add."""
 
 import time
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -264,63 +263,6 @@ def told(panel):
     """What stands in place of lesions."""
     (row,) = range(panel.ui.lesionTable.rowCount)
     return panel.ui.lesionTable.item(row, 0).text()
-
-
-def aLesion(point, along, diameter):
-    """As much of one as its number is placed by."""
-    from SDFStentLib.geometry import Line
-
-    points = np.add(point, np.outer([-4.0, 0.0, 4.0], along / np.linalg.norm(along)))
-    return SimpleNamespace(point=point, line=Line(points), reference_diameter=diameter)
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_numbers_of_lesions_do_not_lie_on_each_other_or_on_the_vessel(theModule, seed):
-    from SDFStentSlicer.LesionMarks import _besides
-
-    rng = np.random.default_rng(seed)
-    lesions = [
-        aLesion(rng.uniform(-15, 15, 3), rng.normal(size=3), rng.uniform(4, 9)) for _n in range(8)
-    ]
-    lesions.append(aLesion(np.zeros(3), np.array([0.0, 1.0, 0.0]), 6.0))  # towards who looks
-    places = _besides(lesions)
-    for number, (place, lesion) in enumerate(zip(places, lesions, strict=True)):
-        off = lesion.line.nearest(place[None]).distances[0]
-        assert off >= 0.9 * lesion.reference_diameter
-        others = [np.linalg.norm(place - other) for other in places[:number]]
-        assert not others or min(others) > 3.0
-
-
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("size", [(392, 310), (1400, 700)])
-def test_signs_of_lesions_do_not_lie_on_each_other_as_they_are_seen(theModule, seed, size):
-    """Eight in a lung, held against pixels of VTK's own projection in views of two sizes."""
-    import vtk
-    from SDFStentSlicer.LesionMarks import _besides
-
-    rng = np.random.default_rng(seed)
-    lesions = [
-        aLesion(rng.uniform(-15, 15, 3), rng.normal(size=3), rng.uniform(3, 5)) for _n in range(8)
-    ]
-    window, renderer = vtk.vtkRenderWindow(), vtk.vtkRenderer()
-    window.SetSize(*size)
-    window.SetOffScreenRendering(True)
-    window.AddRenderer(renderer)
-    camera = renderer.GetActiveCamera()
-    camera.SetPosition(0.0, 164.0, 0.0)
-    camera.SetFocalPoint(0.0, 0.0, 0.0)
-    camera.SetViewUp(0.0, 0.0, 1.0)
-    pixels = []
-    for place in _besides(lesions, renderer):
-        renderer.SetWorldPoint(*place, 1.0)
-        renderer.WorldToDisplay()
-        pixels.append(renderer.GetDisplayPoint()[:2])
-    high = 0.04 * np.hypot(*size)  # of the text: 4 % of a view, as the display node is told
-    for number, first in enumerate(pixels):
-        for other, second in enumerate(pixels[:number]):
-            across, up = np.abs(np.subtract(first, second))
-            letters = sum(len(str(one + 1)) for one in (number, other)) / 2 + 1
-            assert across >= 0.6 * high * letters or up >= high
 
 
 def hoverOver(host, panel, row):

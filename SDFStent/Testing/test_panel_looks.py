@@ -323,6 +323,21 @@ class Part:
     def __init__(self, name, *children, height=0):
         self.name, self.height, self.collapsed = name, height, False
         self.children = lambda: list(children)
+        self._filters = []
+
+    def installEventFilter(self, watch):
+        self._filters.append(watch)
+
+    def removeEventFilter(self, watch):
+        self._filters.remove(watch)
+
+    def resize(self, height):
+        """Be so high, as by the user."""
+        from PySide6 import QtCore, QtGui
+
+        self.height = height
+        for watch in self._filters:
+            watch.eventFilter(self, QtGui.QResizeEvent(QtCore.QSize(9, 9), QtCore.QSize(9, 9)))
 
 
 @pytest.fixture
@@ -371,3 +386,24 @@ def test_data_probe_that_was_folded_stays_so(host, aPanel, aMainWindow):
     host.enter(aPanel)
     host.leave(aPanel)
     assert probe.collapsed
+
+
+def test_data_probe_follows_a_window_that_becomes_lower_and_higher(host, aPanel, aMainWindow):
+    window, probe = aMainWindow
+    window.height = 1080
+    host.leave(aPanel)
+    host.enter(aPanel)
+    assert not probe.collapsed
+    window.resize(800)
+    assert probe.collapsed
+    probe.collapsed = False  # by the user, who has it
+    window.resize(780)
+    assert not probe.collapsed
+    window.resize(1080)
+    window.resize(800)
+    assert probe.collapsed
+    window.resize(1080)
+    assert not probe.collapsed
+    host.leave(aPanel)
+    window.resize(800)
+    assert not probe.collapsed
