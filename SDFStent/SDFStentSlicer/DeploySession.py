@@ -31,10 +31,13 @@ class DeploySession:
     measurements and certificate begins, unseen; once nothing has changed for a moment, it takes the preview's place.
     """
 
-    def __init__(self, logic, onStart, onProgress, onDone, beforeAny=lambda: None):
-        """`beforeAny()` is called before it is looked at what there is to deploy."""
+    def __init__(
+        self, logic, onStart, onProgress, onDone, beforeAny=lambda: None, beforeFull=lambda: False
+    ):
+        """`beforeAny()` is called before it is looked at what there is to deploy; `beforeFull()` when a hand rests, and tells whether
+        something that may change the plan is still under way: the full method would begin in vain."""
         self._logic, self._onStart, self._onDone = logic, onStart, onDone
-        self._beforeAny = beforeAny
+        self._beforeAny, self._beforeFull = beforeAny, beforeFull
         self._parameterNode = self._signature = None
         self._run = SteppedRun(onProgress, self._finished)
         self._live = self._isQuiet = False
@@ -150,7 +153,7 @@ class DeploySession:
                 math.inf
             )  # the application was away: what the hand did meanwhile it hears next
             self._restTimer.start()
-        elif Portions.countLeft() > MOST_LEFT:
+        elif Portions.countLeft() > MOST_LEFT or self._beforeFull():
             self._restTimer.start()
         elif not self.isRunning and not self._isNew(standing := self._standing()):
             self._settleTimer.start()

@@ -33,6 +33,13 @@ class RecoilRule:
         if isSame and what is not None:
             self._timer.start()
 
+    def hurry(self):
+        """Begin now what would begin after a longer rest; returns whether a lumen is being measured."""
+        if self._timer.isActive():
+            self._timer.stop()
+            self._begin()
+        return self._run.isRunning
+
     def finish(self):
         """Do at once what is about to be done."""
         if self.isBusy:

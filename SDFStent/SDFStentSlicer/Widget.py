@@ -72,7 +72,12 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     def _makeSections(self, uiWidget):
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(
-            self.logic, self._onStart, self._onProgress, self._onDone, self._carry
+            self.logic,
+            self._onStart,
+            self._onProgress,
+            self._onDone,
+            self._carry,
+            lambda: self.recoil.hurry(),
         )
         self._size, self._typed = PanelSize(uiWidget), TypedNumbers(uiWidget, self._attempt)
         self._state = PanelState(self.ui, self.logic, self.session, self._size)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from panel_helpers import deploy, planned, theThroat
+from panel_helpers import deploy, planned, settle, theThroat
 
 BENCH = {
     "name": "bench-16",
@@ -268,3 +268,32 @@ def test_the_console_sets_all_of_it_without_a_panel(aLogic, theParameters, aTabl
     aLogic.stentList(theParameters).remove()
     with pytest.raises(ValueError, match="Stent: expected one that is selected, got none; add one"):
         aLogic.setKept(theParameters, "distal")
+
+
+def test_a_full_method_begins_once_where_the_recoil_is_measured_anew(host, theSection, monkeypatch):
+    """It began, and was dropped when the balloon had changed: the answer came half a second later."""
+    ui, logic, parameters = theSection.ui, theSection.logic, theSection._parameterNode
+    ui.diameterSlider.value = 12.0
+    ui.balloonCheckBox.checked = True
+    ui.balloonSlider.value = 13.0
+    ui.autoUpdateCheckBox.checked = True
+    measured(host, theSection)
+    settle(host, theSection)
+    begun, steps = [], logic.steps
+
+    def counted(parameterNode, live=False, **how):
+        begun.append("preview" if live else "full")
+        return steps(parameterNode, live=live, **how)
+
+    monkeypatch.setattr(logic, "steps", counted)
+    tree, handle = logic.centerlineOf(parameters), parameters.stent.handle
+    wide = tree.path_from_proximal(tree.points[tree.roots[0]], 12.0).points[-1]
+    for place, recoil in ((wide, 0.07), (theThroat(), 0.10)):
+        begun.clear()
+        handle.SetNthControlPointPositionWorld(0, *place)
+        settle(host, theSection)
+        measured(host, theSection)
+        settle(host, theSection)
+        assert planned(theSection)[0].balloon.recoil_fraction == recoil
+        assert begun.count("full") == 1
+        assert begun[-1] == "full"
