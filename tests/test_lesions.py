@@ -300,6 +300,25 @@ def test_what_is_over_where_the_vessel_goes_on_in_a_branch_is_told_there_if_that
     assert [one.vessel for one in _found([parent, aside], [0, 1])] == [0, 1]
 
 
+def test_a_throat_from_which_several_branches_go_on_narrower_is_that_of_the_vessel_before():
+    """44 % at the end of a trunk were dropped for 48 % and 47 % of two of three branches."""
+    trunk = vessel_along(through((0, 10.6), (50, 10.6), (60, 5.9)))
+    division = tuple(SideBranch(60.0, 8.3, number) for number in (1, 2))
+    branches = [
+        leaving(through((0, begins), (8, 7), (30, 7)), 60.0)._replace(is_onward=True, caliber=8.3)
+        for begins in (3.3, 3.4)
+    ]
+    aside = [
+        one._replace(line=Line(one.points + np.array([way, 0.0, 0.0])))
+        for one, way in zip(branches, (-4.0, 4.0), strict=True)
+    ]
+    trunk = trunk._replace(division=division)
+    told = [one.vessel for one in _found([trunk, *aside], [0, 1, 2])]
+    assert told[0] == 0
+    # The throat of one of them is its own.
+    assert [one.vessel for one in _found([trunk, aside[0]], [0, 1])] == [1]
+
+
 def test_a_narrow_twig_at_the_end_of_a_trunk_takes_no_lesion_from_it():
     """65 % of the trunk were dropped for 48 % of a vessel of 3.7 mm that leaves its end."""
     trunk = vessel_along(through((0, 13), (34, 13), (46, 3.9)))

@@ -5,6 +5,7 @@ A lesion is a property of the vessel. No stent takes part in what it measures.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -252,11 +253,11 @@ def _found(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[_Found]:
         for number in asked
         for narrow in narrowings(runs[number])
     ]
-    lower = {
-        id(min(pair, key=lambda one: one.narrow.degree))
-        for pair in product(every, every)
-        if pair[0].continues(pair[1])
-    }
+    pairs = [pair for pair in product(every, every) if pair[0].continues(pair[1])]
+    lower = {id(one) for one, above in pairs if one.narrow.degree < above.narrow.degree}
+    tighter = Counter(id(above) for one, above in pairs if id(one) not in lower)
+    # A throat from which several vessels go on still narrower is that of the one before.
+    lower |= {above for above, count in tighter.items() if count == 1}
     kept: list[_Found] = []
     for one in sorted(every, key=lambda one: (one.run.generation, -one.narrow.degree)):
         if id(one) not in lower and not any(other.holds(one) for other in kept):
