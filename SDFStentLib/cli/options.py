@@ -120,12 +120,9 @@ def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
     for one in parameters_of(Balloon).values():
         add_parameter(stent, one)
     add_table(stent, f"--redilate MM  then dilate the same stent to it (mm)\n{DEVICE_TABLE}")
-    for name, usual in (
-        ("foreshortening_fraction", None),
-        ("may_be_shortened", False),
-        ("keeps", None),
-    ):
-        add_parameter(stent, OF_STENT[name], usual)
+    for name, one in OF_STENT.items():
+        if name not in ("diameter", "length"):  # which everyone needs
+            add_parameter(stent, one, None if one.names or one.is_number else False)
     shape = command.add_argument_group("shape")
     for one in parameters_of(Waist).values():
         add_parameter(shape, one)

@@ -97,12 +97,6 @@ def _stent(options: argparse.Namespace, balloon: float | None, device: Device | 
     elif diameter is None:
         assert shape is not None  # checked by then
         diameter = max(wide for _, wide in shape.table)
-    return Stent(
-        diameter,
-        length=options.length,
-        foreshortening_fraction=options.foreshortening,
-        device=device,
-        keeps=options.keep or "center",
-        shape=shape,
-        may_be_shortened=options.shortened,
-    )
+    named = {name: getattr(options, one.option) for name, one in parameters_of(Stent).items()}
+    given = {name: value for name, value in named.items() if value is not None}
+    return Stent(**{**given, "diameter": diameter}, device=device, shape=shape)

@@ -21,7 +21,7 @@ from ..plan import (
     text_value,
     to_document,
 )
-from ..stent import Device, Shape, StentEnd, Waist
+from ..stent import Device, Shape, Stent, StentEnd, Waist
 from ..validation import InputError, as_number
 
 DIAMETERS = ("diameter", "diameter_over_lumen", "diameter_over_reference")
@@ -35,8 +35,13 @@ SHAPE_PARTS = (
     *(f"shape.{end}.{name}" for end in ("start", "end") for name in parameters_of(StentEnd)),
     *(f"shape.{name}" for name in parameters_of(Shape)),
 )
-NAMES = (*DIAMETERS, "length", *PLACES, "device", "shape", *SHAPE_PARTS)
-"""Names of everything that can be an axis."""
+SIZES = tuple(
+    name for name, one in parameters_of(Stent).items() if one.is_number and name not in DIAMETERS
+)
+"""Other numbers of a stent."""
+
+NAMES = (*DIAMETERS, *SIZES, *PLACES, "device", "shape", *SHAPE_PARTS)
+"""Names of everything that can be an axis: but for widths and places, paths in the plan's stent."""
 
 _LISTED = ("branch", "lesion", "device", "shape")
 """Axes whose values are things rather than sizes, and have to be listed."""

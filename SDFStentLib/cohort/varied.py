@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..plan import InputFiles, Plan, StentSizes, detailed_stent, stent_details
+from ..plan import InputFiles, Plan, stent_entry, stent_of, with_value
 from ..stent import AtLesion, OfVessel, OnBranch, Stent
 from ..treatment import spot_of
-from .axes import PLACES, SHAPE_PARTS
+from ..validation import InputError, printable
+from .axes import PLACES, SHAPE_PARTS, SIZES
 from .cases import Parameters
 from .constraints import Constraints, Where, check_constraints, halfway
 
@@ -68,30 +68,24 @@ def _diameter(base: Stent, parameters: Parameters, where: Where) -> float:
 
 def _stent(base: Stent, parameters: Parameters, diameter: float) -> Stent:
     """The base stent with other sizes, device and shape; its place is the base's."""
-    details = json.loads(stent_details(base) or "{}")
-    length = base.length
+    entry = {**stent_entry(base), "enabled": True, "diameter": diameter}
     if "device" in parameters:
-        details["device"] = device = parameters["device"]
+        device = parameters["device"]
         assert isinstance(device, Mapping)
-        length = None if device.get("nominal_length") else length
-    if "length" in parameters:
-        length = _number(parameters["length"])
-    if "shape" in parameters:
-        details["shape"] = parameters["shape"]
-    for name in SHAPE_PARTS:
-        if name in parameters:
-            _, *parts = name.split(".")
-            inner = details.setdefault("shape", {})
-            for part in parts[:-1]:
-                inner = inner.setdefault(part, {})
-            inner[parts[-1]] = parameters[name]
-    details = {key: value for key, value in details.items() if value is not None}
-    return detailed_stent(
-        json.dumps(details) if details else "",
-        StentSizes(diameter, length, base.foreshortening_fraction),
-        base.placement,
-        base.name,
-    )
+        length = None if device.get("nominal_length") else base.length
+        entry = {**entry, "device": device, "length": length}
+    for path in (*SIZES, "shape", *SHAPE_PARTS):
+        if path in parameters:
+            entry = with_value(entry, path, parameters[path])
+    stent = stent_of(entry, base.placement)
+    for name in SIZES:
+        if name in parameters and getattr(stent, name) != parameters[name]:
+            assert stent.device is not None
+            raise InputError(
+                f"{name}: expected none with {printable(stent.device.name)}, which has its own, "
+                f"got {parameters[name]}; leave the axis out, or take another device."
+            )
+    return stent
 
 
 def _number(value: Any) -> float:

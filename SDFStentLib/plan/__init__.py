@@ -4,12 +4,6 @@ from .comparison import Alternative as Alternative
 from .comparison import PlanComparison as PlanComparison
 from .comparison import compare as compare
 from .comparison import comparison_inputs as comparison_inputs
-from .details import StentDetails as StentDetails
-from .details import StentSizes as StentSizes
-from .details import detailed_stent as detailed_stent
-from .details import details_words as details_words
-from .details import read_details as read_details
-from .details import stent_details as stent_details
 from .devices import device_named as device_named
 from .devices import device_table as device_table
 from .devices import read_profile as read_profile
@@ -19,6 +13,11 @@ from .document import placement_document as placement_document
 from .document import plan_schema as plan_schema
 from .document import plan_text as plan_text
 from .document import save_plan as save_plan
+from .entry import Entry as Entry
+from .entry import entry_words as entry_words
+from .entry import part_of as part_of
+from .entry import stent_entry as stent_entry
+from .entry import stent_of as stent_of
 from .inputs import InputFiles as InputFiles
 from .inputs import Marks as Marks
 from .inputs import input_file as input_file
@@ -33,6 +32,8 @@ from .json_document import scaled as scaled
 from .json_document import section as section
 from .json_document import sequence as sequence
 from .json_document import text_value as text_value
+from .paths import value_at as value_at
+from .paths import with_value as with_value
 from .plan import Plan as Plan
 from .plan import method_parameters as method_parameters
 from .plan import plan_of_method as plan_of_method

@@ -23,7 +23,7 @@ from ..stent import (
 )
 from ..units import MILLIMETERS
 from ..validation import InputError, as_path, check_is_a
-from .details import details_document
+from .entry import stent_entry
 from .json_document import json_text, text_value, unscaled
 from .plan import Plan, method_parameters
 from .typed import list_of, object_schema, or_null, schema_of
@@ -115,15 +115,9 @@ def _filed(point: Any, units: str) -> list[Any]:
 
 
 def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, Any]:
-    return {
-        "name": text_value(stent.name, "stent name"),
-        "enabled": stent.enabled,
-        "diameter": float(stent.diameter),
-        "length": stent.length,
-        "foreshortening_fraction": stent.foreshortening_fraction,
-        **details_document(stent),
-        "placement": placement_document(stent.placement, units, folder),
-    }
+    first = {"name": text_value(stent.name, "stent name"), "enabled": stent.enabled}
+    found = {**first, **stent_entry(stent), "diameter": float(stent.diameter)}
+    return {**found, "placement": placement_document(stent.placement, units, folder)}
 
 
 def placement_document(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 import types
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
+from functools import cache
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from ..parameter import Parameter, parameters_of
@@ -33,6 +34,15 @@ def from_document(kind: type[T], value: Any, where: str, **made: Any) -> T:
     InputError
         Unknown or missing keys, or values that do not belong there, with their place.
     """
+    found = typed_values(kind, value, where, **made)
+    try:
+        return kind(**found)
+    except InputError as error:
+        raise error.labeled(f"{where}: ") from error
+
+
+def typed_values(kind: type, value: Any, where: str, **made: Any) -> dict[str, Any]:
+    """The fields of which `from_document` makes a dataclass; parameters and errors as there."""
     required, optional = _keys(kind)
     given = section(value, where, required, optional)
     found = {
@@ -40,10 +50,33 @@ def from_document(kind: type[T], value: Any, where: str, **made: Any) -> T:
         for name, hint in _hints(kind).items()
         if name in given and name not in made
     }
-    try:
-        return kind(**found, **made)
-    except InputError as error:
-        raise error.labeled(f"{where}: ") from error
+    return {**found, **made}
+
+
+def without_unset(kind: type, value: Mapping[str, Any]) -> dict[str, Any]:
+    """The document of a dataclass, null in place of objects that are not filled in.
+
+    These are the ones in which a required key is null, or in which some key is null and all others
+    are as by default: what a form has of a part that its user has left out.
+    """
+    found = {}
+    for name, part in value.items():
+        inner = _object_in(_hints(kind).get(name))
+        if inner is not None and isinstance(part, Mapping):
+            part = without_unset(inner, part)
+            required, _ = _keys(inner)
+            usual = {one.name: to_document(one.default) for one in fields(inner)}
+            is_unset = any(part.get(key, "") is None for key in required)
+            is_usual = all(item in (None, usual.get(key)) for key, item in part.items())
+            if is_unset or (is_usual and None in part.values()):
+                part = None
+        found[name] = part
+    return found
+
+
+def _object_in(hint: Any) -> Any:
+    """The dataclass that a field may have, or None."""
+    return next((one for one in (hint, *get_args(hint)) if is_dataclass(one)), None)
 
 
 def to_document(value: Any) -> Any:
@@ -104,6 +137,7 @@ def _schema(hint: Any, one: Parameter | None) -> dict[str, Any]:
     return {"type": {float: "number", bool: "boolean"}.get(hint, "string")}
 
 
+@cache
 def _hints(kind: Any) -> dict[str, Any]:
     # Of the fields only: Python 3.10 refuses the mark KW_ONLY as a type.
     own = {field.name: field.type for field in fields(kind)}
