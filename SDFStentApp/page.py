@@ -400,8 +400,7 @@ class Page:
         # Ends, since every turn takes one away.
         while len(parameters.stents):
             logic.removeStent(parameters)
-        for name, value in Flow.valuesOf(None).items():
-            setattr(parameters, name, value)
+        Flow.setKnown(parameters, None)
         for role in ("vessel", "centerline", *OUTPUT_ROLES):
             node = getattr(parameters, role)
             if node is not None:

@@ -104,6 +104,7 @@ def fill(widget: Widget, element: ElementTree.Element) -> None:
     """Give a widget its properties from the file."""
     values = {p.get("name", ""): _value(p) for p in element.findall("property")}
     widget.parameter = values.pop("SlicerParameterName", "")
+    widget.plan = values.pop("plan", "")
     columns = [_text(column.find("property")) for column in element.findall("column")]
     if columns:
         values["columns"] = tuple(columns)

@@ -52,7 +52,7 @@ class Widget:
     wordWrap = shown(False)
 
     def __init__(self, name: str = "", parameter: str = "") -> None:
-        self.objectName, self.parameter = name, parameter
+        self.objectName, self.parameter, self.plan = name, parameter, ""
         self.shown: dict[str, Any] = {}
         self.on_change: Callable[[Widget], None] | None = None
         self._slots: dict[str, list[tuple[Callable[..., Any], int | None]]] = {}
@@ -98,7 +98,7 @@ class Widget:
 
     def property(self, name: str) -> Any:
         """A property from the `.ui` file that is no attribute of the widget."""
-        return self.parameter if name == "SlicerParameterName" else None
+        return {"SlicerParameterName": self.parameter, "plan": self.plan}.get(name)
 
     def setMRMLScene(self, scene: Any) -> None:
         """Emit the scene for the connected selectors; other widgets do not use it."""

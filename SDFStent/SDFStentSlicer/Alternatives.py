@@ -20,7 +20,6 @@ from . import (
     Showing,
 )
 from .Exporting import inNewFolder
-from .ParameterNode import MethodParameters, methodOf
 from .Portions import untilDone
 from .StentList import StentList
 
@@ -32,24 +31,15 @@ COPIED = (
     "suggestRatio",
     "suggestMargin",
     "map",
-    "flowMean",
-    "flowPeak",
-    "flowWave",
-    "flowInlets",
-    "flowBsa",
-    "flowUnusual",
-    "inletPressure",
-    "wedgePressure",
-    "splitRight",
     "showStents",
     "showDevice",
     "deviceMesh",
     "autoUpdate",
     "segmentEnds",
     "closeBranches",
-    "planDocument",
+    "plan",
 )
-"""What a copy of a plan takes over beside its stents and its method; its results it has to make."""
+"""What a copy of a plan takes over, besides copies of its handles; its results it has to make."""
 
 SEEN_ROLES = ("outputVessel", "outputCenterline", "outputStents")
 HIDDEN_ATTRIBUTE = "SDFStent.HiddenWithPlan"
@@ -90,7 +80,6 @@ class Alternatives:
         with slicer.util.NodeModify(copy):
             for name in COPIED:
                 setattr(copy, name, getattr(parameterNode, name))
-            copy.method = MethodParameters(**vars(methodOf(parameterNode)))
             StentList(copy).replace(_withOwnHandles(parameterNode), parameterNode.selected)
         return copy
 
@@ -278,7 +267,7 @@ def _withOwnHandles(parameterNode):
     for values in stents:
         handle = values["handle"]
         if handle not in copies:  # one that dilates another again has the same
-            copies[handle] = Handles.copyHandle(handle, values["label"])
+            copies[handle] = Handles.copyHandle(handle, values["name"])
         values["handle"] = copies[handle]
     return stents
 

@@ -4,7 +4,7 @@ import numpy as np
 from slicer.i18n import tr as _
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 
-from . import Conversion, Handles
+from . import Conversion, Handles, Plans
 from .ParameterNode import stentsOf
 from .Transforms import matrixToWorld
 
@@ -52,6 +52,12 @@ def _change(former, matrix):
 
 def _carry(plan, change, node):
     left = []
+
+    def moved(points):
+        return points @ change[:3, :3].T + change[:3, 3]
+
+    if change is not None:
+        Plans.moveMarks(plan, moved)
     for handle in dict.fromkeys(stent.handle for stent in stentsOf(plan)):
         if handle is None or handle.GetParentTransformNode() is not None:
             continue  # it has gone along by itself, or not as it was meant to
@@ -59,7 +65,7 @@ def _carry(plan, change, node):
             left.append(handle.GetName())
         else:
             points = np.array(Conversion.placedPoints(handle)).reshape(-1, 3)
-            Handles.placeAt(handle, points @ change[:3, :3].T + change[:3, 3])
+            Handles.placeAt(handle, moved(points))
     results = [getattr(plan, role) for role in CARRIED_ROLES] if change is not None else []
     for result in filter(None, results):
         result.ApplyTransformMatrix(_vtk(change))

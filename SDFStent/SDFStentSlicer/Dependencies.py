@@ -6,7 +6,8 @@ import slicer
 from slicer.i18n import tr as _
 
 from . import Conversion, Flow, Sizes
-from .ParameterNode import Placement, methodOf, stentsOf
+from .ParameterNode import methodOf, stentsOf
+from .PlanFields import Placement
 
 
 class Standing(NamedTuple):
@@ -130,14 +131,17 @@ def places(parameterNode):
 def _signature(parameterNode, numbered):
     return (
         Conversion.inputStamp(parameterNode),
+        str(parameterNode.get("inputs")),
         tuple(vars(methodOf(parameterNode)).values()),
         # Its number is a part of what is told of a stent.
         tuple(
-            (number, stent.label, *Sizes.sizesOf(stent), _placeOf(stent))
+            (number, stent.label, Sizes.sizesOf(stent), _placeOf(stent))
             for number, stent in numbered
         ),
     )
 
 
 def _placeOf(stent):
-    return stent.landmark if stent.placement.isOfVessel else Conversion.changeStamp(stent.handle)
+    if stent.placement.isOfVessel:
+        return str(stent.entry["placement"])
+    return Conversion.changeStamp(stent.handle)

@@ -32,7 +32,6 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
             yield from _expand(run, surface)
         finally:
             surface.showOutline()
-    Plans.remember(parameterNode)
     surface.showOutline()
     lines = yield from working(run.lines())
     shown.run, shown.signature = run, signature
@@ -52,7 +51,7 @@ def _begun(parameterNode, vessel, inputs):
         Plans.settingsOf(parameterNode),
     )
     how = {
-        "straightening_fraction": parameterNode.method.straightening / 100,
+        "straightening_fraction": parameterNode.get("settings.straightening_fraction"),
         "precision": Precision(dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype),
         "faces": vessel.faces,
         "rows": Plans.rowsOf(parameterNode),

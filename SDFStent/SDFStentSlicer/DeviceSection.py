@@ -6,20 +6,13 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.plan import device_table
 from SDFStentLib.report import balloon_sentences, device_sentences, ratio_sentence
-from SDFStentLib.stent import KEPT, USUAL_RECOIL
+from SDFStentLib.stent import USUAL_RECOIL
 from SDFStentLib.validation import InputError, printable
 
 from . import Sizes
 from .Desktop import desktop
-from .ParameterNode import Placement, stentOf
-from .StentList import StentList
-
-KEPT_LABELS = {
-    "center": _("Center"),
-    "proximal": _("Proximal end"),
-    "distal": _("Distal end"),
-}
-"""The texts in the panel for what a stent can keep, by the library's word."""
+from .ParameterNode import stentOf
+from .PlanFields import Placement
 
 
 class DeviceSection:
@@ -32,16 +25,10 @@ class DeviceSection:
         self.ui, self._logic, self._attempt = ui, logic, attempt
         self._parameterNode, self._updating, self._shown = None, False, None
         self._table, self._rows = None, ()
-        for kept in KEPT:
-            ui.keptComboBox.addItem(KEPT_LABELS[kept])
         ui.deviceCollapsibleButton.connect("contentsCollapsed(bool)", self._onOpened)
         ui.deviceComboBox.connect("activated(int)", self._onDevice)
         ui.deviceTableButton.connect("clicked()", self._onTable)
         ui.removeTableButton.connect("clicked()", self._onRemoveTable)
-        # Not bound: what they show is the device's own where it has one.
-        ui.lengthSlider.connect("valueChanged(double)", self._onLength)
-        ui.foreshorteningSlider.connect("valueChanged(double)", self._onForeshortening)
-        ui.keptComboBox.connect("activated(int)", self._onKept)
         ui.balloonCheckBox.connect("toggled(bool)", self._onBalloonSwitched)
         ui.balloonSlider.connect("valueChanged(double)", self._onBalloon)
         ui.recoilSpinBox.connect("valueChanged(double)", self._onRecoil)
@@ -57,12 +44,10 @@ class DeviceSection:
         if values == self._shown:
             return
         self._shown = values
-        details, balloon = Sizes.detailsOf(stent), Sizes.balloonOf(stent)
+        balloon = Sizes.balloonOf(stent)
         self._updating = True
         try:
-            self._showDevice(details.device)
-            self.ui.foreshorteningSlider.value = Sizes.foreshorteningOf(stent)
-            self.ui.keptComboBox.currentIndex = KEPT.index(details.keeps)
+            self._showDevice(Sizes.deviceOf(stent))
             self._showBalloon(balloon, stent)
         finally:
             self._updating = False
@@ -147,17 +132,6 @@ class DeviceSection:
 
     def _onRemoveTable(self):
         self._change(lambda node: self._logic.setDeviceTable(node, ""))
-
-    def _onLength(self, length):
-        if self._parameterNode is not None:
-            self._parameterNode.stent.length = length
-
-    def _onForeshortening(self, percent):
-        own = {"foreshortening": percent, "deviceShortening": False}
-        self._change(lambda node: StentList(node).change(**own))
-
-    def _onKept(self, index):
-        self._change(lambda node: self._logic.setKept(node, KEPT[index]))
 
     def _onBalloonSwitched(self, isUsed):
         if not isUsed:

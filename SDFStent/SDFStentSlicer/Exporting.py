@@ -138,7 +138,7 @@ class Segments:
         vessel = self._inputs.vessel(parameterNode)
         line = self._inputs.centerline(parameterNode)
         given, _misfit = untilDone(self._inputs.givenNamesInPortions(parameterNode))
-        names = Plans.namesOf(parameterNode) if given else ()
+        names = Plans.marksOf(parameterNode).names if given else ()
         before = treatment.Vessel(vessel.surface, line, faces=vessel.faces, names=names)
         after = None
         if isMeasured and not self.hasChanged(parameterNode):

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from SDFStentLib.plan import device_named, device_table, stent_details
+from SDFStentLib.plan import device_named, device_table, to_document
 from SDFStentLib.stent import (
     DEFAULT_FORESHORTENING,
     Balloon,
@@ -13,7 +13,8 @@ from SDFStentLib.stent import (
 from SDFStentLib.validation import InputError
 
 from . import Handles, Plans, Sizes
-from .ParameterNode import Placement, stentsOf
+from .ParameterNode import stentsOf
+from .PlanFields import Placement
 from .Portions import untilDone
 from .StentList import StentList
 
@@ -113,7 +114,7 @@ class Fitting:
             return
         found = balloon_leaving(stent.diameter, lumen)
         if found != balloon:
-            kept = Sizes.detailsOf(stent).balloon
+            kept = Sizes.partOf(Balloon, stent, "balloon")
             self.setDetails(parameterNode, balloon=replace(found, diameter=kept.diameter))
 
     def setKept(self, parameterNode, end):
@@ -154,11 +155,9 @@ class Fitting:
 
     @staticmethod
     def setDetails(parameterNode, **changes):
-        """Set values of the stent's `StentDetails`, and other values of the stent."""
-        former = Sizes.detailsOf(parameterNode.stent)
-        own = {name: changes.pop(name) for name in vars(former) if name in changes}
-        details = stent_details(replace(former, **own))
-        StentList(parameterNode).change(details=details, **changes)
+        """Set values of the stent: values of the library as they are, or as documents."""
+        values = {name: to_document(value) for name, value in changes.items()}
+        StentList(parameterNode).change(**values)
 
 
 def _usualForeshortening(stent):

@@ -9,12 +9,10 @@ import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib.flow import Inflow, Known, Wave, has_svzerod
+from SDFStentLib.plan import from_document, to_document
 from SDFStentLib.validation import InputError, one_line
 
-from .ParameterNode import REMEDIES
-
-ML_PER_S = 1000 / 60
-"""In one liter per minute."""
+from .PlanFields import ML_PER_S, REMEDIES
 
 SHOWN = 0.006
 """L/min, half of the last figure that is shown, and a little: so far the peak may be from its wave's."""
@@ -24,29 +22,33 @@ SOLVER = "svzerod>=3.2"
 
 def waveOf(parameterNode):
     """The wave of a plan, None where there is none, or where mean and peak are no longer its own."""
-    if not parameterNode.flowWave or parameterNode.flowMean <= 0:
+    document, mean = parameterNode.get("flow.wave"), parameterNode.get("flow.mean")
+    if not document or not mean:
         return None
-    wave = Wave(*map(tuple, json.loads(parameterNode.flowWave)))
-    wave = wave.scaled(parameterNode.flowMean * ML_PER_S)
-    isOwn = abs(wave.peak / ML_PER_S - parameterNode.flowPeak) <= SHOWN * (
-        1 + wave.peak / wave.mean
-    )
-    return wave if isOwn else None
+    wave = from_document(Wave, document, "wave").scaled(mean)
+    away = abs(wave.peak - (parameterNode.get("flow.peak") or 0.0)) / ML_PER_S
+    return wave if away <= SHOWN * (1 + wave.peak / wave.mean) else None
 
 
 def inletsOf(parameterNode, mean, hasWave):
     """The inlets of a plan with so much flow together, mL/s; their own waves where that of all is theirs."""
-    found = json.loads(parameterNode.flowInlets or "[]")
-    whole = sum(part for _name, part, _wave in found)
+    found = parameterNode.get("flow.inlets") or []
+    whole = sum(one["mean"] for one in found)
     return tuple(
-        Inflow(name, part * mean / whole, Wave(*map(tuple, wave)) if wave and hasWave else None)
-        for name, part, wave in found
+        Inflow(one["name"], one["mean"] * mean / whole, _waveIn(one) if hasWave else None)
+        for one in found
     )
+
+
+def _waveIn(inlet):
+    document = inlet.get("wave")
+    return document and from_document(Wave, document, "wave")
 
 
 def flowsIn(parameterNode):
     """By name of an inlet what comes in there, L/min."""
-    return {one.name: one.mean for one in inletsOf(parameterNode, parameterNode.flowMean, False)}
+    mean = parameterNode.get("flow.mean") or 0.0
+    return {one.name: one.mean / ML_PER_S for one in inletsOf(parameterNode, mean, False)}
 
 
 def inletOf(parameterNode, names):
@@ -76,9 +78,7 @@ def setInlet(parameterNode, names, flow):
         )
     inlets = tuple(found.values())
     wave = None if known.is_uneven else known.wave
-    with slicer.util.NodeModify(parameterNode):
-        for field, value in valuesOf(replace(known, mean=mean, inlets=inlets, wave=wave)).items():
-            setattr(parameterNode, field, value)
+    setKnown(parameterNode, replace(known, mean=mean, inlets=inlets, wave=wave))
 
 
 def lacksSolver(parameterNode):
@@ -102,21 +102,21 @@ def installSolver():
 
 def knownOf(parameterNode):
     """What is set, as the library has it; None where no flow is. Raises `InputError` for what contradicts itself."""
-    if parameterNode.flowMean <= 0:
+    flow = parameterNode.get("flow") or {}
+    mean = flow.get("mean")
+    if not mean:
         return None
-    hasPressures = parameterNode.inletPressure > 0
-    wave = waveOf(parameterNode)
-    mean = parameterNode.flowMean * ML_PER_S
+    wave, hasPressures = waveOf(parameterNode), bool(flow.get("inlet"))
     return Known(
         mean,
         inlets=inletsOf(parameterNode, mean, wave is not None),
-        bsa=parameterNode.flowBsa or None,
-        peak=parameterNode.flowPeak * ML_PER_S or None if wave is None else None,
+        bsa=flow.get("bsa"),
+        peak=flow.get("peak") if wave is None else None,
         wave=wave,
-        inlet=parameterNode.inletPressure if hasPressures else None,
-        wedge=parameterNode.wedgePressure if hasPressures else None,
-        split_right=parameterNode.splitRight / 100 or None,
-        unusual=parameterNode.flowUnusual,
+        inlet=flow.get("inlet") if hasPressures else None,
+        wedge=flow.get("wedge") or 0.0 if hasPressures else None,
+        split_right=flow.get("split_right"),
+        unusual=bool(flow.get("unusual")),
     )
 
 
@@ -136,27 +136,18 @@ def plannedFlow(parameterNode, place):
     return replace(known, right=place(json.loads(parameterNode.rightBranch)))
 
 
-def valuesOf(known):
-    """The library's `Known`, or None, as values of the parameter node."""
+def documentOf(known):
+    """The library's `Known`, or None, as the plan's document has it here: with the peak of a wave beside it."""
     if known is None:
-        names = ("flowMean", "flowPeak", "inletPressure", "wedgePressure", "splitRight", "flowBsa")
-        empty = {"flowWave": "", "flowInlets": "", "flowUnusual": False}
-        return {**dict.fromkeys(names, 0.0), **empty}
-    wave = known.wave
-    inlets = [
-        (one.name, one.mean, one.wave and (one.wave.time, one.wave.flow)) for one in known.inlets
-    ]
-    return {
-        "flowUnusual": known.unusual,
-        "flowWave": "" if wave is None else json.dumps([wave.time, wave.flow]),
-        "flowInlets": json.dumps(inlets) if inlets else "",
-        "flowBsa": known.bsa or 0.0,
-        "flowMean": known.mean / ML_PER_S,
-        "flowPeak": (known.most or 0.0) / ML_PER_S,
-        "inletPressure": known.inlet or 0.0,
-        "wedgePressure": known.wedge or 0.0,
-        "splitRight": 100 * (known.split_right or 0.0),
-    }
+        return None
+    found = {**to_document(known), "peak": known.most}
+    found.pop("right", None)  # it is found by itself
+    return found
+
+
+def setKnown(parameterNode, known):
+    """Set what is known of the flow, the library's `Known` or None."""
+    parameterNode.change({"flow": documentOf(known)})
 
 
 def refusal(parameterNode):

@@ -7,7 +7,7 @@ import slicer
 from slicer.i18n import tr as _
 
 from . import Conversion
-from .ParameterNode import Placement
+from .PlanFields import Placement
 
 HANDLE_ATTRIBUTE = "SDFStent.Handle"
 AWAY_ATTRIBUTE = "SDFStent.GivesWay"

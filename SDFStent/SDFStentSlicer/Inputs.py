@@ -87,22 +87,25 @@ class Inputs:
     def knownCenterline(self, parameterNode):
         """The same where it is converted already, else None."""
         stamp, centerline = self._centerline
-        return centerline if stamp == Conversion.inputStamp(parameterNode) else None
+        return centerline if stamp == _stampOf(parameterNode) else None
 
     def centerlineInPortions(self, parameterNode):
         """The same in portions: a generator that yields None and returns the centerline.
 
         Raises `InputError` where it is not of the vessel: no number in there would be one of the patient.
         """
-        stamp = Conversion.inputStamp(parameterNode)
+        stamp = _stampOf(parameterNode)
         if stamp != self._centerline[0]:
+            inlet = Plans.marksOf(parameterNode).root
             lines, told = Conversion.centerlineLines(parameterNode.centerline), ()
             vessel = parameterNode.vessel
             if vessel is None:
-                centerline = yield from inPortions(lambda: Centerline.from_lines(*lines))
+                centerline = yield from inPortions(
+                    lambda: Centerline.from_lines(*lines, inlet=inlet)
+                )
             else:
                 surface = (yield from self.vesselInPortions(parameterNode)).surface
-                how = {"wall": surface.points, "widths": LineEnds(surface).widths}
+                how = {"inlet": inlet, "wall": surface.points, "widths": LineEnds(surface).widths}
                 names = vessel.GetName(), parameterNode.centerline.GetName()
                 # First: far from their wall, lines seem to run in one wide lumen, and no tree is left.
                 told = yield from inPortions(lambda: _misfits(surface, lines, *names))
@@ -118,7 +121,7 @@ class Inputs:
 
     def lesions(self, parameterNode):
         """The `LesionSearch` of vessel and centerline, the same object until one of them changes."""
-        stamp = Conversion.inputStamp(parameterNode), Plans.namesOf(parameterNode)
+        stamp = _stampOf(parameterNode)
         if stamp != self._lesions[0]:
             self._lesions = (stamp, LesionSearch(lambda: self._bothInPortions(parameterNode)))
         return self._lesions[1]
@@ -128,15 +131,16 @@ class Inputs:
         centerline = yield from self.centerlineInPortions(parameterNode)
         _given, misfit = yield from self.givenNamesInPortions(parameterNode)
         remark = "\n".join(filter(None, (vessel.remark, *self._beside, misfit)))
-        names = () if misfit else Plans.namesOf(parameterNode)
-        how = (), vessel.faces, names, self._lineEnds
+        marks = Plans.marksOf(parameterNode)
+        names = () if misfit else marks.names
+        how = marks.reference, vessel.faces, names, self._lineEnds
         return remark, treatment.Vessel(vessel.surface, centerline, *how)
 
     def givenNamesInPortions(self, parameterNode):
         """What the plan calls the centerline's branches, none where its names are of another vessel, and a sentence why or ""."""
         vessel = yield from self.vesselInPortions(parameterNode)
         tree = yield from self.centerlineInPortions(parameterNode)
-        names = Plans.namesOf(parameterNode)
+        names = Plans.marksOf(parameterNode).names
         how = vessel.surface, tree, names, vessel.faces
         try:
             return (yield from inPortions(lambda: given_names(*how))), ""
@@ -167,7 +171,7 @@ class Inputs:
 
     def preview(self, parameterNode):
         """The `PreviewedVessel` of vessel and centerline, the same object until one of them changes."""
-        stamp = Conversion.inputStamp(parameterNode)
+        stamp = _stampOf(parameterNode)
         if stamp != self._preview[0]:
             node = parameterNode.centerline
             centerline = None if node is None else self.centerline(parameterNode)
@@ -197,6 +201,11 @@ class Inputs:
             diameters = native.diameters(way.line, SPACING).inscribed_diameter
         known = diameters[np.isfinite(diameters)]
         return float(round(np.quantile(known, AS_WIDE_AS), 1)) if len(known) else 8.0
+
+
+def _stampOf(parameterNode):
+    """A value that differs whenever vessel, centerline or what the plan says of them do."""
+    return Conversion.inputStamp(parameterNode), str(parameterNode.get("inputs"))
 
 
 def _misfits(surface, lines, vesselName, name):

@@ -18,6 +18,7 @@ from . import (
     Deploying,
     Display,
     Flow,
+    FormerScenes,
     Handles,
     Outputs,
     Plans,
@@ -31,13 +32,8 @@ from .Dragging import Dragging
 from .Exporting import Exporting, Segments
 from .Fitting import Fitting
 from .Inputs import Inputs
-from .ParameterNode import (
-    REMEDIES,
-    MethodParameters,
-    SDFStentParameterNode,
-    stentOf,
-    stentsOf,
-)
+from .ParameterNode import SDFStentParameterNode, stentOf, stentsOf
+from .PlanFields import REMEDIES
 from .Planning import Planning
 from .Portions import working
 from .Previewing import Previewing
@@ -112,7 +108,10 @@ class SDFStentLogic(
         """The parameters in a `vtkMRMLScriptedModuleNode`, always the same object for the same node."""
         wrapper = self._wrappers.get(node.GetID())
         if wrapper is None or wrapper.parameterNode is not node:
+            told = FormerScenes.takeOver(node)
             wrapper = self._wrappers[node.GetID()] = SDFStentParameterNode(node)
+            if told:
+                wrapper.status = told
         return wrapper
 
     def addParameterSet(self, name):
@@ -129,8 +128,7 @@ class SDFStentLogic(
         """Set the method, and what a suggestion goes by, back to the defaults."""
         wishes = SizingWishes()
         with slicer.util.NodeModify(parameterNode):
-            Plans.forgetMethod(parameterNode)
-            parameterNode.method = MethodParameters()
+            parameterNode.change({"settings": {}})
             parameterNode.suggestRatio = wishes.ratio
             parameterNode.suggestMargin = wishes.margin
 

@@ -15,19 +15,14 @@ from SDFStentLib.certificate import (
     NOT_CERTIFIED,
     NOT_READY,
 )
+from SDFStentLib.plan import value_at
 from SDFStentLib.report import WARNING
 from SDFStentLib.validation import one_line, printable
 
 from . import Charts, Conversion, Flow, Outputs, Showing, Sizes, Tiles
 from .PanelParts import cut
-from .ParameterNode import (
-    METHOD_PARAMETERS,
-    MethodParameters,
-    Placement,
-    methodOf,
-    stentOf,
-    stentsOf,
-)
+from .ParameterNode import methodOf, stentOf, stentsOf
+from .PlanFields import DEFAULTS, METHOD, METHOD_PARAMETERS, Placement
 
 LONGEST = 44
 """Characters of a heading: the panel is as wide as its widest one."""
@@ -51,12 +46,11 @@ class Steps:
         names = [] if vessel is centerline is None else [_nameOf(vessel), _nameOf(centerline)]
         hasStents = len(stentsOf(parameterNode)) > 0
         stent = stentOf(parameterNode)
-        details = Sizes.detailsOf(stent)
         for name, title, words in (
             ("inputs", _("Vessel"), ", ".join(names)),
             ("place", _("Place"), stent.placement.label() if hasStents else ""),
-            ("device", _("Device"), _deviceWords(details)),
-            ("shape", _("Shape"), "" if details.shape is None else _("as set")),
+            ("device", _("Device"), _deviceWords(stent)),
+            ("shape", _("Shape"), "" if Sizes.shapeOf(stent) is None else _("as set")),
             ("advanced", _("Advanced"), "" if _isUsual(parameterNode) else _("changed")),
             ("flow", _("Flow"), _flowWords(parameterNode)),
         ):
@@ -68,15 +62,14 @@ def _nameOf(node):
     return _("none") if node is None else node.GetName()
 
 
-def _deviceWords(details):
-    name = details.device.name if details.device is not None else ""
-    return ", ".join(filter(None, [name, _("on a balloon") if details.balloon is not None else ""]))
+def _deviceWords(stent):
+    name = "" if stent.device is None else stent.device["name"]
+    return ", ".join(filter(None, [name, _("on a balloon") if stent.balloon is not None else ""]))
 
 
 def _isUsual(parameterNode):
-    method, usual = methodOf(parameterNode), MethodParameters()
     return all(
-        getattr(method, name) == getattr(usual, name) for name in MethodParameters.allParameters
+        parameterNode.get(one.path) == value_at(DEFAULTS, one.path) for one in METHOD.values()
     )
 
 
@@ -268,7 +261,7 @@ class PanelState:
         self.ui.stentEditor.enabled = self.ui.stentDetails.enabled = count > 0
         stent = stentOf(parameterNode)
         self.ui.wholeCurveCheckBox.visible = stent.placement == Placement.ALONG_CURVE
-        device, isByDevice = Sizes.detailsOf(stent).device, stent.deviceShortening
+        device, isByDevice = stent.device, stent.deviceShortening
         self.ui.lengthSlider.enabled = Sizes.hasFreeLength(stent)
         isKnown = device is not None or stent.placement == Placement.AGAIN
         isAsked = Sizes.asksForShortening(stent)

@@ -9,7 +9,8 @@ from SDFStentLib.stent import AtLesion, OnBranch
 from SDFStentLib.validation import InputError
 
 from . import Sizes
-from .ParameterNode import Placement, stentOf
+from .ParameterNode import stentOf
+from .PlanFields import Placement
 
 BY_RULE = -100.0
 """Stands in the panel for an offset that follows from lesion and stent, mm."""

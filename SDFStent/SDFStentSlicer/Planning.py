@@ -3,6 +3,7 @@
 import numpy as np
 import slicer
 
+from SDFStentLib.plan import placement_document
 from SDFStentLib.stent import (
     DEFAULT_FORESHORTENING,
     AtCenter,
@@ -15,7 +16,8 @@ from SDFStentLib.validation import InputError
 
 from . import Conversion, Dependencies, Handles, Plans, Sizes
 from .LumenMiddle import middleOn
-from .ParameterNode import STENT_FIELDS, Placement, stentOf, stentsOf
+from .ParameterNode import stentOf, stentsOf
+from .PlanFields import STENT_FIELDS, USUAL, Placement
 from .Portions import untilDone
 from .StentList import StentList
 
@@ -43,7 +45,7 @@ class Planning:
         The handle is put at the middle of the centerline. Along a curve, which is the placement where there is no centerline,
         it is a curve without points, for the user to draw.
         """
-        unknown = set(values) - set(STENT_FIELDS)
+        unknown = set(values).difference(STENT_FIELDS, USUAL)
         if unknown:
             raise InputError(
                 f"Stent: expected values of {', '.join(STENT_FIELDS)}, got {', '.join(sorted(unknown))}."
@@ -156,7 +158,7 @@ class Planning:
     @staticmethod
     def setLandmark(parameterNode, placement):
         """Let the selected stent be at a lesion, or on a branch: at a placement of the library of that kind."""
-        StentList(parameterNode).change(landmark=Plans.landmarkText(placement))
+        StentList(parameterNode).change(placement=placement_document(placement))
 
     def freePlace(self, parameterNode):
         """Let a stent that lies at a lesion, or on a branch, lie by its handle, where that is: a hand moves it now."""
@@ -167,7 +169,7 @@ class Planning:
             placed = planned and self._placedKnown(parameterNode, planned)
             isDistal = placed is not None and isinstance(placed.placement, AtDistalEnd)
             kind = Placement.DISTAL_END if isDistal else Placement.CENTER
-            StentList(parameterNode).change(placement=kind, landmark="")
+            StentList(parameterNode).change(placement=kind)
 
     def _placedKnown(self, parameterNode, planned):
         """A stent of the library by a point, where it is known; None where it is not yet."""
@@ -235,7 +237,7 @@ class Planning:
         if line.length < SHORTEST:
             return
         length = line.length / (1 - Sizes.foreshorteningOf(stent) / 100)
-        kept = Sizes.detailsOf(stent).keeps
+        kept = stent.keeps
         # The middle is that of the stent as it is packed.
         middle = {
             "center": line.length / 2,

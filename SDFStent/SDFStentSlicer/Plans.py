@@ -3,35 +3,33 @@
 import json
 from dataclasses import replace
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib import stent as library
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.plan import (
+    Marks,
     Plan,
     load_plan,
     placement_document,
     plan_from_document,
     plan_text,
     save_plan,
-    stent_details,
+    stent_entry,
     turned,
+    value_at,
 )
 from SDFStentLib.stent import InputFile, OfStent, OfVessel
-from SDFStentLib.validation import InputError
+from SDFStentLib.validation import InputError, as_place
 
 from . import Conversion, Dependencies, Flow, Handles, Sizes
-from .ParameterNode import (
-    METHOD_PARAMETERS,
-    RANGES,
-    MethodParameters,
-    Placement,
-    methodOf,
-    stentsOf,
-)
+from .ParameterNode import stentsOf
+from .PlanFields import FLOW, METHOD, METHOD_PARAMETERS, RANGES, STENT, Placement
 from .Sizes import BY_POINT
 from .StentList import StentList
 
@@ -78,13 +76,13 @@ def settingsOf(parameterNode, live=False):
 
     `live` ones are the library's preview: the same method with longer steps and no finish.
     """
-    method = methodOf(parameterNode)
-    settings = (
-        DeploymentSettings.preview() if live else _planned(parameterNode.planDocument).settings
-    )
-    changes = {name: getattr(method, field) for field, (name, _one) in METHOD_PARAMETERS.items()}
-    changes["step"] = settings.step if live else method.step or None
-    return settings.with_changes(**changes)
+    method = dict(parameterNode.get("settings"))
+    method.pop("straightening_fraction", None)
+    if not live:
+        return DeploymentSettings().with_changes(**method)
+    shown = {name: method[name] for name, _one in METHOD_PARAMETERS.values() if name in method}
+    preview = DeploymentSettings.preview()
+    return preview.with_changes(**{**shown, "step": preview.step})
 
 
 def planOf(parameterNode, stents=None, hasFiles=True):
@@ -103,30 +101,64 @@ def planOf(parameterNode, stents=None, hasFiles=True):
         units="mm" if surface is None else Conversion.fileUnits(vessel),
         frame=frame,
         settings=settingsOf(parameterNode),
-        straightening_fraction=parameterNode.method.straightening / 100,
+        straightening_fraction=parameterNode.get("settings.straightening_fraction"),
         flow=Flow.plannedFlow(parameterNode, lambda place: _placeInFrame(place, frame)),
-        names=_namesIn(frame, namesOf(parameterNode)),
+        **_known(frame, marksOf(parameterNode)),
     )
 
 
-def namesOf(parameterNode):
-    """What the last plan calls the vessels: the library's `VesselName`, in RAS."""
-    plan = _planned(parameterNode.planDocument)
-    return _namesIn(plan.frame, plan.names)
+def marksOf(parameterNode):
+    """What the plan says of the vessel, in RAS: the library's `Marks`, a root, places of healthy vessel, and names."""
+    return _marksIn(json.dumps(parameterNode.get("inputs")))
 
 
-def forgetMethod(parameterNode):
-    """Forget the settings of the last plan, but not what it calls the vessels."""
-    names = namesOf(parameterNode)
-    parameterNode.planDocument = plan_text(Plan(frame="RAS", names=names)) if names else ""
+@lru_cache(maxsize=8)
+def _marksIn(text):
+    empty = json.loads(plan_text(Plan()))
+    return _marksOf(plan_from_document({**empty, "inputs": json.loads(text)}))
 
 
-def remember(parameterNode):
-    """Keep the plan's document in the parameter node; without stents that are switched off and whose sizes do not fit together."""
-    stents = [
-        stent for stent in stentsOf(parameterNode) if stent.enabled or not Sizes.refusal(stent)
+def _marksOf(plan):
+    """The marks of a plan, in RAS."""
+    root = None if plan.root is None else np.array(plan.root)
+    reference = tuple(map(np.array, plan.reference))
+    return Marks(root, reference, plan.names, plan.frame).in_frame("RAS")
+
+
+def setMarks(parameterNode, marks):
+    """Set what the plan says of the vessel, in RAS; see `marksOf`."""
+    document = json.loads(plan_text(Plan(frame="RAS", **_known("RAS", marks))))["inputs"]
+    parameterNode.change({"inputs": document})
+
+
+def moveMarks(parameterNode, move):
+    """Bring what the plan says of the vessel elsewhere: `move` takes points (n, 3) there."""
+    marks = marksOf(parameterNode)
+    if marks.root is None and not marks.reference and not marks.names:
+        return
+
+    def moved(place):
+        return move(np.array(place)[None])[0]
+
+    names = [
+        one if isinstance(one.at, int) else replace(one, at=as_place(moved(one.at)))
+        for one in marks.names
     ]
-    parameterNode.planDocument = plan_text(planOf(parameterNode, stents))
+    root = None if marks.root is None else moved(marks.root)
+    setMarks(
+        parameterNode,
+        marks._replace(root=root, reference=tuple(map(moved, marks.reference)), names=tuple(names)),
+    )
+
+
+def _known(frame, marks):
+    """Marks as arguments of a plan in a frame."""
+    turned = marks.in_frame(frame)
+    return {
+        "root": None if turned.root is None else as_place(turned.root),
+        "reference": tuple(map(as_place, turned.reference)),
+        "names": turned.names,
+    }
 
 
 def save(path, parameterNode):
@@ -144,12 +176,6 @@ def load(path, parameterNode):
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
     _take(replace(plan, frame=frame), path, parameterNode, {})
     told = []
-    if plan.root is not None or plan.reference:
-        told.append(
-            _(
-                "The plan's own root of the centerline, and its healthy vessel, are left out: here both are found. Lesions may have other numbers."
-            )
-        )
     if plan.flow is not None and plan.flow.wave is not None:
         told.append(_("Of the wave of the plan's flow the mean and the peak are taken."))
     if plan.frame is None:
@@ -180,29 +206,31 @@ def _take(plan, path, parameterNode, former):
     rows = _rows(path, plan.stents)
     planned = [_inFrame(row.stent, plan.frame) for row in rows]
     stents = [
-        {**valuesOf(stent), "redilation": row.redilation}
+        {**valuesOf(stent), "redilation": row.redilation or None}
         for stent, row in zip(planned, rows, strict=True)
     ]
-    method, flow = _methodOf(plan), Flow.valuesOf(plan.flow)
+    flow = Flow.documentOf(plan.flow)
+    shown = SimpleNamespace(
+        get=lambda path: value_at({"settings": plan.method, "flow": flow}, path)
+    )
     for number, values in enumerate(stents, start=1):
-        _checkRanges(values, f"{path}: {values['label'] or f'stent {number}'}")
-    _checkRanges(method, f"{path}: settings")
-    _checkRanges(flow, f"{path}: flow")
+        _checkRanges(_shownOf(values, STENT), f"{path}: {values['name'] or f'stent {number}'}")
+    for fields, name in ((METHOD, "settings"), (FLOW, "flow")):
+        found = {key: one.shown(shown.get(one.path)) for key, one in fields.items()}
+        _checkRanges(found, f"{path}: {name}")
     for values, stent, row in zip(
         stents, planned, rows, strict=True
     ):  # nothing is refused from here on
-        own = former.get(values["label"])
+        own = former.get(values["name"])
         if row.original is not None:
             values["handle"] = stents[row.original]["handle"]
         elif stent.placement is None and own is not None:  # as it was
-            values["handle"], values["placement"] = own.handle, own.placement
+            values["handle"], values["placement"] = own.handle, own.entry["placement"]
         else:
-            values["handle"] = _handleOf(stent, values["label"], own and own.handle)
+            values["handle"] = _handleOf(stent, values["name"], own and own.handle)
     with slicer.util.NodeModify(parameterNode):
-        parameterNode.method = MethodParameters(**method)
-        for name, value in flow.items():
-            setattr(parameterNode, name, value)
-        parameterNode.planDocument = plan_text(plan)
+        parameterNode.change({"settings": plan.method, "flow": flow})
+        setMarks(parameterNode, _marksOf(plan))
         StentList(parameterNode).replace(stents, 0 if stents else -1)
 
 
@@ -261,15 +289,9 @@ def _inFrame(planned, frame):
     return turned(planned) if frame == "LPS" else planned
 
 
-def _namesIn(frame, names):
-    """Names from RAS to a frame, or back."""
-    return tuple(one.turned() for one in names) if frame == "LPS" else names
-
-
-def _methodOf(plan):
-    """The plan's settings as the values of `MethodParameters`."""
-    values = {field: plan.method[name] or 0.0 for field, (name, _one) in METHOD_PARAMETERS.items()}
-    return {**values, "straightening": 100 * plan.straightening_fraction}
+def _shownOf(entry, fields):
+    """The values of an entry as in the panel."""
+    return {name: one.shown(entry[one.path]) for name, one in fields.items() if one.path in entry}
 
 
 def _checkRanges(values, name):
@@ -279,12 +301,6 @@ def _checkRanges(values, name):
                 f"{name}: expected {words} of {low:g} to {high:g}{unit} in the panel, got {values[key]:g}; "
                 "change the plan, or run it with sdfstent run."
             )
-
-
-@lru_cache(maxsize=8)
-def _planned(document):
-    """The last plan without its stents, which the panel has."""
-    return plan_from_document({**json.loads(document), "stents": []}) if document else Plan()
 
 
 def plannedStent(stent, number=None, isNowhere=False):
@@ -312,26 +328,20 @@ def _placementOf(stent, number):
 
 
 def valuesOf(stent):
-    """A stent as the values of a `StentParameters`, still without a handle."""
+    """A stent as the entry of the panel's document, still without a handle."""
     kind, _points = _kindAndPoints(stent.placement)
     values = {
-        "details": stent_details(stent),
-        "label": stent.name or "Stent",
-        "enabled": stent.enabled,
-        "diameter": stent.diameter,
-        "foreshortening": 100 * stent.foreshortening,
-        "deviceShortening": stent.foreshortening_fraction is None
+        **stent_entry(stent),
+        "name": stent.name or "Stent",
+        "foreshortening_fraction": stent.foreshortening,
+        "device_shortening": stent.foreshortening_fraction is None
         and (stent.device is not None or kind == Placement.AGAIN),
-        "placement": kind,
-        "landmark": landmarkText(stent.placement) if kind.isOfVessel else "",
-        "wholeCurve": stent.length is None,
+        "placement": placement_document(stent.placement) if kind.isOfVessel else kind.place,
+        "whole_curve": stent.length is None,
     }
-    return values if stent.length is None else {**values, "length": stent.length}
-
-
-def landmarkText(placement):
-    """What the parameters keep of a place at a lesion or on a branch."""
-    return json.dumps(placement_document(placement))
+    if stent.length is None:
+        del values["length"]
+    return values
 
 
 def _handleOf(planned, label, former=None):

@@ -39,7 +39,7 @@ class Previewing:
                 inputs.preview(parameterNode).portions(
                     stents,
                     Plans.settingsOf(parameterNode, live=True),
-                    parameterNode.method.straightening / 100,
+                    parameterNode.get("settings.straightening_fraction"),
                     Dependencies.places(parameterNode),
                     Plans.rowsOf(parameterNode),
                 )

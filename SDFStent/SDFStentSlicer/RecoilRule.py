@@ -68,7 +68,7 @@ def _standing(parameterNode):
     if balloon is None or balloon.is_given:
         return whose, None
     length, handle = Sizes.lengthOf(stent), Conversion.changeStamp(stent.handle)
-    place = (stent.placement, stent.landmark, length, stent.wholeCurve, handle)
+    place = (str(stent.entry["placement"]), length, stent.wholeCurve, handle)
     inputs = Conversion.inputStamp(parameterNode)
     wide = (stent.diameter, None) if Sizes.isLumenSet(stent) else (None, balloon.diameter)
     return whose, (wide, stent.foreshortening, place, inputs)

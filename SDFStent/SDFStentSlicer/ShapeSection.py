@@ -1,9 +1,9 @@
-"""The section Shape of the panel: waist, ends, profile and caps of the selected stent."""
+"""The section Shape of the panel: profile and caps of the selected stent. Waist and ends are bound to the plan."""
 
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import read_profile
-from SDFStentLib.stent import Shape, StentEnd, Waist
+from SDFStentLib.stent import Shape
 
 from . import Sizes
 from .Desktop import desktop
@@ -11,9 +11,6 @@ from .ParameterNode import stentOf
 
 FLAT = 0.35
 """Height of the caps called flat, relative to their radius."""
-
-NARROWEST = -1.0
-"""Position of a waist in percent that stands for the narrowest place of the vessel in the panel."""
 
 
 class ShapeSection:
@@ -27,16 +24,6 @@ class ShapeSection:
         self._parameterNode, self._updating, self._shown = None, False, None
         for text in (_("Round"), _("Flat")):
             ui.capsComboBox.addItem(text)
-        for box in (
-            ui.waistSpinBox,
-            ui.waistPositionSpinBox,
-            ui.waistLengthSpinBox,
-            ui.proximalEndSpinBox,
-            ui.proximalEndLengthSpinBox,
-            ui.distalEndSpinBox,
-            ui.distalEndLengthSpinBox,
-        ):
-            box.connect("valueChanged(double)", lambda _value: self._set(self._parts()))
         ui.capsComboBox.connect("activated(int)", self._onCaps)
         ui.loadProfileButton.connect("clicked()", self._onLoad)
         ui.removeProfileButton.connect("clicked()", lambda: self._set({"table": ()}))
@@ -45,35 +32,19 @@ class ShapeSection:
         """Show the shape of the stent that is selected now."""
         self._parameterNode = parameterNode
         stent = stentOf(parameterNode)
-        if (stent.details, stent.diameter) == self._shown:
+        if (stent.shape, stent.diameter) == self._shown:
             return
-        self._shown = stent.details, stent.diameter
-        shape = Sizes.shapeOf(stent) or Shape()
+        self._shown = stent.shape, stent.diameter
+        shape, ui = Sizes.shapeOf(stent) or Shape(), self.ui
+        ui.waistPositionSpinBox.enabled = ui.waistLengthSpinBox.enabled = shape.waist is not None
+        ui.proximalEndLengthSpinBox.enabled = shape.start is not None
+        ui.distalEndLengthSpinBox.enabled = shape.end is not None
         self._updating = True
         try:
-            self._showWaist(shape.waist)
-            self._showEnd(self.ui.proximalEndSpinBox, self.ui.proximalEndLengthSpinBox, shape.start)
-            self._showEnd(self.ui.distalEndSpinBox, self.ui.distalEndLengthSpinBox, shape.end)
             self._showCaps(shape.cap_height)
             self._showTable(shape.table)
         finally:
             self._updating = False
-
-    def _showWaist(self, waist):
-        ui = self.ui
-        ui.waistPositionSpinBox.enabled = ui.waistLengthSpinBox.enabled = waist is not None
-        ui.waistSpinBox.value = 0.0 if waist is None else waist.diameter
-        if waist is not None:
-            isKnown = waist.position is not None
-            ui.waistPositionSpinBox.value = 100 * waist.position if isKnown else NARROWEST
-            ui.waistLengthSpinBox.value = waist.length or 0.0
-
-    @staticmethod
-    def _showEnd(diameterBox, lengthBox, end):
-        lengthBox.enabled = end is not None
-        diameterBox.value = 0.0 if end is None else end.diameter
-        if end is not None:
-            lengthBox.value = end.length
 
     def _showCaps(self, height):
         box = self.ui.capsComboBox
@@ -96,22 +67,6 @@ class ShapeSection:
             else _("none")
         )
 
-    def _parts(self):
-        """The parts of the shape that the boxes show."""
-        ui = self.ui
-        return {
-            "waist": self._waist(),
-            "start": _end(ui.proximalEndSpinBox.value, ui.proximalEndLengthSpinBox.value),
-            "end": _end(ui.distalEndSpinBox.value, ui.distalEndLengthSpinBox.value),
-        }
-
-    def _waist(self):
-        diameter, position = self.ui.waistSpinBox.value, self.ui.waistPositionSpinBox.value
-        if diameter == 0:
-            return None
-        length = self.ui.waistLengthSpinBox.value
-        return Waist(diameter, None if position < 0 else position / 100, length or None)
-
     def _set(self, parts):
         if not self._updating and self._parameterNode is not None:
             self._attempt(lambda: self._logic.changeShape(self._parameterNode, **parts))
@@ -130,7 +85,3 @@ class ShapeSection:
                     self._parameterNode, **none, table=read_profile(path)
                 )
             )
-
-
-def _end(diameter, length):
-    return StentEnd(diameter, length) if diameter > 0 else None

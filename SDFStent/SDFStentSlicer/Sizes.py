@@ -2,15 +2,14 @@
 
 import json
 from dataclasses import replace
-from functools import lru_cache
-from types import SimpleNamespace
 
 from SDFStentLib import stent as library
-from SDFStentLib.plan import StentSizes, detailed_stent, read_details, read_place
+from SDFStentLib.plan import part_of, read_place, stent_of
 from SDFStentLib.stent import dilated_again
 from SDFStentLib.validation import InputError
 
-from .ParameterNode import REMEDIES, Placement, stentsOf
+from .ParameterNode import stentsOf
+from .PlanFields import REMEDIES, Placement
 
 KINDS = {
     Placement.CENTER: library.AtCenter,
@@ -28,39 +27,36 @@ BY_POINT = {
     kind: KINDS[kind] for kind in (Placement.CENTER, Placement.DISTAL_END, Placement.PROXIMAL_END)
 }
 
-SIZES = (
-    "diameter",
-    "length",
-    "foreshortening",
-    "placement",
-    "wholeCurve",
-    "details",
-    "deviceShortening",
-    "redilation",
-)
-"""The parameters of a stent that say what it is, wherever it goes."""
+ELSEWHERE = ("name", "enabled", "placement")
+"""What of a stent's entry does not say what it is."""
 
 
 def sizesOf(stent):
-    """The values of `SIZES`."""
-    return tuple(getattr(stent, name) for name in SIZES)
+    """A text with all that says what a stent is, wherever it goes."""
+    own = {key: value for key, value in stent.entry.items() if key not in ELSEWHERE}
+    return json.dumps([stent.placement.value, own])
 
 
-def detailsOf(stent):
-    """Device, balloon, kept end and shape of a stent, as the library's `StentDetails`."""
-    return read_details(stent.details)
+def partOf(kind, stent, name):
+    """Device, balloon or shape of a stent as it was set, as the library's; None where there is none."""
+    return part_of(kind, stent.entry, name)
+
+
+def deviceOf(stent):
+    """The device of a stent, or None."""
+    return partOf(library.Device, stent, "device")
 
 
 def landmarkOf(stent):
-    """The library's placement at a lesion or on a branch that is kept; None where there is none of the stent's kind."""
-    kept = read_place(json.loads(stent.landmark), stent.label) if stent.landmark else None
-    return kept if isinstance(kept, KINDS[stent.placement]) else None
+    """The library's placement at a lesion or on a branch; None where there is none yet."""
+    place = stent.entry["placement"]
+    isKnown = stent.placement.isOfVessel and place[stent.placement.value] is not None
+    return read_place(place, stent.label) if isKnown else None
 
 
 def lengthOf(stent):
     """Length as packed, mm: of a device of one length that, whatever is set."""
-    device = detailsOf(stent).device
-    return (device and device.nominal_length) or stent.length
+    return (stent.device or {}).get("nominal_length") or stent.length
 
 
 def hasLength(stent):
@@ -71,20 +67,19 @@ def hasLength(stent):
 
 def hasFreeLength(stent):
     """Whether its length is what is set, rather than that of its device."""
-    device = detailsOf(stent).device
-    return hasLength(stent) and (device is None or device.nominal_length is None)
+    return hasLength(stent) and not (stent.device or {}).get("nominal_length")
 
 
 def asksForShortening(stent):
     """Whether a stent shall shorten as is known of its device, and that is not known."""
-    device = detailsOf(stent).device
+    device = deviceOf(stent)
     isKnown = device is None or device.foreshortening_fraction is not None or device.lengths
     return stent.deviceShortening and not isKnown
 
 
 def balloonOf(stent):
     """The balloon that leaves the stent's lumen, or None."""
-    kept = detailsOf(stent).balloon
+    kept = partOf(library.Balloon, stent, "balloon")
     try:
         return kept and unplaced(stent).balloon
     except InputError:
@@ -93,28 +88,28 @@ def balloonOf(stent):
 
 def isLumenSet(stent):
     """Whether the diameter of a stent on a balloon was set after that of the balloon, which follows it."""
-    return stent.diameter != detailsOf(stent).balloon.lumen_diameter
+    return stent.diameter != partOf(library.Balloon, stent, "balloon").lumen_diameter
 
 
 def shapeOf(stent):
     """What makes the stent another than a cylinder, or None."""
-    kept = detailsOf(stent).shape
     try:
-        return kept and unplaced(stent).shape
+        return stent.shape and unplaced(stent).shape
     except InputError:
-        return kept
+        return partOf(library.Shape, stent, "shape")
 
 
 def stentAt(stent, placement=None, label=""):
     """The library's stent of these parameters at a place, or at none yet."""
     isAgain = stent.placement == Placement.AGAIN
-    isByDevice = stent.deviceShortening and (isAgain or detailsOf(stent).device is not None)
-    sizes = StentSizes(
-        stent.diameter,
-        lengthOf(stent) if hasLength(stent) else None,
-        None if isByDevice else stent.foreshortening / 100,
-    )
-    return detailed_stent(stent.details, sizes, placement, label)
+    isByDevice = stent.deviceShortening and (isAgain or stent.device is not None)
+    own = {
+        "name": label,
+        "enabled": True,
+        "length": lengthOf(stent) if hasLength(stent) else None,
+        "foreshortening_fraction": None if isByDevice else stent.entry["foreshortening_fraction"],
+    }
+    return stent_of({**stent.entry, **own}, placement)
 
 
 def unplaced(stent):
@@ -176,12 +171,6 @@ def nameAgain(name):
 
 def refusal(stent):
     """Why the sizes of a stent do not fit together, in the library's sentence; "" when they do."""
-    return _refusal(sizesOf(stent))
-
-
-@lru_cache(maxsize=256)
-def _refusal(values):
-    stent = SimpleNamespace(**dict(zip(SIZES, values, strict=True)))
     try:
         _inTheEnd(stent)
     except InputError as error:

@@ -6,7 +6,8 @@ from SDFStentLib.stent import beside
 from SDFStentLib.treatment import axis_in_vessel
 
 from . import Conversion, Handles, Plans
-from .ParameterNode import Placement, stentsOf
+from .ParameterNode import stentsOf
+from .PlanFields import Placement
 
 
 class Snapping:

@@ -10,7 +10,8 @@ from . import Clock, Conversion
 from .Desktop import desktop
 from .Dragging import VIEW_ATTRIBUTE, rayThrough
 from .Handles import CURVE
-from .ParameterNode import Placement, stentOf
+from .ParameterNode import stentOf
+from .PlanFields import Placement
 from .Portions import SteppedRun, working
 
 

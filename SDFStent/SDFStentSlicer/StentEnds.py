@@ -10,7 +10,8 @@ from . import Clock, Conversion, Showing, Sizes
 from .Dragging import VIEW_ATTRIBUTE
 from .Handles import COLOR, POINTS
 from .Marks import createMark, createTube, removeMark, showTube
-from .ParameterNode import Placement, stentOf
+from .ParameterNode import stentOf
+from .PlanFields import Placement
 
 SETTLE_MS = 100
 """Time between two updates while a hand drags, or until the first one after a live stent rests: to place a stent takes

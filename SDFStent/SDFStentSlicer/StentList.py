@@ -1,52 +1,46 @@
 """The plan's ordered list of stents in a parameter node; one of them is selected for editing."""
 
-import slicer
-
 from SDFStentLib.validation import InputError
 
-from .ParameterNode import StentParameters, stentOf, stentsOf, stentValues
+from .ParameterNode import stentsOf
+from .PlanFields import USUAL, entryOf
 
 
 class StentList:
     """Adds, copies, removes, moves and selects stents of one parameter node.
 
-    The panel edits `parameterNode.stent`; `synchronize` copies the latest change, of the list or of the edited stent,
-    to the other.
+    Stents are entries of the plan's document here, each with its node as `handle`; changes may be called as Python code calls them.
     """
 
     def __init__(self, parameterNode):
         self.parameterNode = parameterNode
-        self._agreed = None
 
     def values(self):
         """All stents as dictionaries, in order."""
-        return [dict(vars(stent)) for stent in stentsOf(self.parameterNode)]
+        return [{**one.entry, "handle": one.handle} for one in stentsOf(self.parameterNode)]
 
     def __len__(self):
-        return len(self.parameterNode.stents)
+        return len(stentsOf(self.parameterNode))
 
     def add(self, **values):
         """Append a stent and select it."""
-        stents = self.values()
-        values.setdefault("label", self._freeLabel(stents))
-        stents.append(stentValues(StentParameters(**values)))
-        self.replace(stents, len(stents) - 1)
+        if "name" not in values:
+            values.setdefault("label", self.freeLabel())
+        self.replace([*self.values(), values], len(self))
 
     def freeLabel(self):
         """A name that no stent of the list has yet."""
-        return self._freeLabel(self.values())
+        labels = {one.label for one in stentsOf(self.parameterNode)}
+        number = len(self) + 1
+        # Ends, since there are finitely many labels.
+        while f"Stent {number}" in labels:
+            number += 1
+        return f"Stent {number}"
 
     def copy(self, handle):
         """Append a copy of the selected stent that has a handle of its own, and select it."""
-        stents = self.values()
-        stents.append(
-            {
-                **stents[self.parameterNode.selected],
-                "handle": handle,
-                "label": self._freeLabel(stents),
-            }
-        )
-        self.replace(stents, len(stents) - 1)
+        selected = self.values()[self.parameterNode.selected]
+        self.add(**{**selected, "handle": handle, "name": self.freeLabel()})
 
     def remove(self):
         """Remove the selected stent; its neighbor is selected."""
@@ -62,56 +56,25 @@ class StentList:
         self.replace(stents, target)
 
     def change(self, **values):
-        """Change values of the selected stent, as it is edited."""
-        stents, selected = self.values(), self.parameterNode.selected
-        if not 0 <= selected < len(stents):
+        """Change values of the selected stent."""
+        selected = self.parameterNode.selected
+        if not 0 <= selected < len(self):
             raise InputError("Stent: expected one that is selected, got none; add one.")
-        stents[selected] = {**stentValues(self.parameterNode.stent), **values}
-        self.replace(stents, selected)
+        changes = entryOf(values)
+        self.parameterNode.change({f"stents.{selected}.{key}": changes[key] for key in changes})
 
     def select(self, index):
         """Make one stent the edited one."""
         if index != self.parameterNode.selected:
-            self.replace(self.values(), index)
+            self.parameterNode.selected = index
 
     def enable(self, index, enabled):
         """Switch a stent on or off."""
-        stents = self.values()
-        if stents[index]["enabled"] != enabled:
-            stents[index]["enabled"] = enabled
-            self.replace(stents, self.parameterNode.selected)
+        if stentsOf(self.parameterNode)[index].enabled != enabled:
+            self.parameterNode.change({f"stents.{index}.enabled": enabled})
 
     def replace(self, stents, selected):
         """Set the whole list (dictionaries) and the selected index in one modification."""
-        parameterNode = self.parameterNode
-        with slicer.util.NodeModify(parameterNode):
-            parameterNode.stents = [StentParameters(**values) for values in stents]
-            parameterNode.selected = selected
-            if 0 <= selected < len(stents) and vars(stentOf(parameterNode)) != stents[selected]:
-                parameterNode.stent = StentParameters(**stents[selected])
-            self._agreed = stents[selected] if 0 <= selected < len(stents) else None
-
-    def synchronize(self):
-        """Make the list and the edited stent agree again; returns whether something had to change."""
-        stents, selected = self.values(), self.parameterNode.selected
-        if not 0 <= selected < len(stents):
-            if stents:
-                self.replace(stents, 0)
-            return bool(stents)
-        listed, edited = stents[selected], dict(vars(stentOf(self.parameterNode)))
-        if listed == edited:
-            self._agreed = listed
-            return False
-        if listed == self._agreed:  # the panel changed the edited stent
-            stents[selected] = edited
-        self.replace(stents, selected)
-        return True
-
-    @staticmethod
-    def _freeLabel(stents):
-        labels = {values["label"] for values in stents}
-        number = len(stents) + 1
-        # Ends, since there are finitely many labels.
-        while f"Stent {number}" in labels:
-            number += 1
-        return f"Stent {number}"
+        entries = [{**USUAL, **entryOf(values)} for values in stents]
+        handles = [entry.pop("handle", None) for entry in entries]
+        self.parameterNode.replaceStents(entries, handles, selected)

@@ -1,10 +1,8 @@
 """The table of the plan's stents in the panel."""
 
-from types import SimpleNamespace
-
 from slicer.i18n import tr as _
 
-from SDFStentLib.plan import details_words
+from SDFStentLib.plan import entry_words
 from SDFStentLib.validation import one_line
 
 from . import Sizes
@@ -12,7 +10,7 @@ from .Desktop import desktop
 
 
 class StentTable:
-    """Shows a `StentList` in `ui.stentTable`; reports what the user selects and switches on or off."""
+    """Shows the stents of a plan in `ui.stentTable`; reports what the user selects and switches on or off."""
 
     def __init__(self, ui, onSelect, onEnable):
         self.ui, self._onSelect, self._onEnable = ui, onSelect, onEnable
@@ -24,15 +22,15 @@ class StentTable:
 
     def show(self, stents, selected):
         """Fill the table; does nothing when it shows this already."""
-        rows = [_texts(values) for values in stents]
-        details = [one_line(details_words(values["details"])) for values in stents]
+        rows = [_texts(one) for one in stents]
+        details = [one_line(entry_words(one.entry)) for one in stents]
         if self._shown == (rows, details, selected):
             return
         self._updating = True
         try:
             self.ui.stentTable.setRowCount(len(rows))
             for row, texts in enumerate(rows):
-                self._fill(row, texts, stents[row]["enabled"], details[row])
+                self._fill(row, texts, stents[row].enabled, details[row])
             if 0 <= selected < len(rows):
                 self.ui.stentTable.selectRow(selected)
             else:
@@ -62,16 +60,16 @@ class StentTable:
             self._onEnable(item.row(), desktop().isChecked(item))
 
 
-def _texts(values):
+def _texts(stent):
     length = (
         _("as placed")
-        if values["placement"].usesHandleLength and values["wholeCurve"]
-        else f"{Sizes.lengthOf(SimpleNamespace(**values)):.1f} mm"
+        if stent.placement.usesHandleLength and stent.wholeCurve
+        else f"{Sizes.lengthOf(stent):.1f} mm"
     )
     return (
-        one_line(values["label"]),
-        f"{values['diameter']:.1f} mm",
+        one_line(stent.label),
+        f"{stent.diameter:.1f} mm",
         length,
-        values["placement"].label() if values["enabled"] else _("switched off"),
-        values["enabled"],
+        stent.placement.label() if stent.enabled else _("switched off"),
+        stent.enabled,
     )

@@ -10,7 +10,7 @@ from SDFStentLib.treatment import treated_lesions, with_known_minima
 from SDFStentLib.validation import DeploymentError, InputError
 
 from .Lesions import withSections
-from .ParameterNode import REMEDIES
+from .PlanFields import REMEDIES
 from .Portions import inPortions
 
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import slicer
 
-from SDFStentLib.plan import read_details, stent_details
 from SDFStentLib.report import proposal_sentence
 from SDFStentLib.treatment import SizingWishes, Vessel, stent_ratios, suggested
 from SDFStentLib.validation import InputError
@@ -12,8 +11,12 @@ from SDFStentLib.vessel import lesions_within
 
 from . import Conversion, Handles, Plans, Sizes
 from .ParameterNode import stentOf
+from .PlanFields import Placement
 from .Portions import inPortions, untilDone
 from .StentList import StentList
+
+KEPT = ("keeps", "shape", "may_be_shortened")
+"""What a stent that is sized anew has further on."""
 
 
 class Suggesting:
@@ -45,7 +48,8 @@ class Suggesting:
             )
         )
         values = Plans.valuesOf(suggestion.stent)
-        del values["label"]
+        del values["name"]
+        values["placement"] = Placement.of(values["placement"])
         if isThere:
             self._resize(parameterNode, values)
         else:
@@ -73,11 +77,7 @@ class Suggesting:
 
     def _resize(self, parameterNode, values):
         """Give the selected stent other values, and its handle the points that its placement needs then."""
-        details = read_details(values["details"])
-        kept = replace(
-            Sizes.detailsOf(parameterNode.stent), device=details.device, balloon=details.balloon
-        )
-        values["details"] = stent_details(kept)
+        values = {key: values[key] for key in values if key not in KEPT}
         with slicer.util.NodeModify(parameterNode):
             StentList(parameterNode).change(placement=values["placement"])
             self.fitHandle(parameterNode)
@@ -113,7 +113,7 @@ def _wishesOf(parameterNode, stent):
     wishes = SizingWishes(parameterNode.suggestRatio, parameterNode.suggestMargin)
     if stent is None:
         return wishes
-    device = Sizes.detailsOf(stent).device
+    device = Sizes.deviceOf(stent)
     isOwn = device is not None and not stent.deviceShortening
-    own = stent.foreshortening / 100 if isOwn else None
+    own = stent.entry["foreshortening_fraction"] if isOwn else None
     return replace(wishes, device=device, foreshortening_fraction=own)

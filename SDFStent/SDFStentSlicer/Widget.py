@@ -9,6 +9,7 @@ from slicer.util import VTKObservationMixin
 from vtkmodules.vtkCommonCore import vtkCommand
 
 from . import Clock, Conversion, ExtractCenterline, Outputs, Showing
+from .Binder import Binder
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
 from .ExportSection import ExportSection, SegmentSection
@@ -19,7 +20,7 @@ from .Logic import SDFStentLogic
 from .LowWindow import LowWindow
 from .PanelParts import GuiBinding, PanelSize
 from .PanelState import PanelState
-from .ParameterNode import CHOICE_LABELS
+from .ParameterNode import stentsOf
 from .PlaceSection import PlaceSection
 from .PlanTable import PlanTable
 from .Portions import SteppedRun
@@ -41,7 +42,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
         self.logic = logic
-        self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
+        self.session = self.stents = self.binder = self.table = self.lesions = self.plans = (
+            self._state
+        ) = None
         self._size = self._typed = self._parameterNode = self._binding = self._lastSet = (
             self._leavings
         ) = None
@@ -81,6 +84,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         )
         self._size, self._typed = PanelSize(uiWidget), TypedNumbers(uiWidget, self._attempt)
         self._state = PanelState(self.ui, self.logic, self.session, self._size)
+        self.binder = Binder(self.ui)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(
             self.ui,
@@ -174,6 +178,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._suggesting.cancel()
         self.session.setParameterNode(parameterNode)
         self.stents = None
+        self.binder.show(None)
         self.lesions.follow(parameterNode)
         self.recoil.follow(parameterNode)
         self.plans.show(None)
@@ -189,7 +194,6 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             self._chosen = parameterNode.vessel, parameterNode.centerline
             self.stents = StentList(parameterNode)
             self._binding = GuiBinding(parameterNode, self.ui)
-            self._nameChoices()
             self.addObserver(
                 parameterNode.parameterNode,
                 vtkCommand.ModifiedEvent,
@@ -197,16 +201,10 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             )
             self.onParameterNodeModified()
 
-    def _nameChoices(self):
-        """Show words for the library's keys; the boxes are connected by index, so their texts are free."""
-        for name, labels in CHOICE_LABELS.items():
-            box = getattr(self.ui, name + "ComboBox")
-            for index in range(box.count):
-                box.setItemText(index, labels.get(box.itemText(index), box.itemText(index)))
-
     def onParameterNodeModified(self, caller=None, event=None):
-        if self._parameterNode is None or self.stents.synchronize():
-            return  # synchronizing has called this again
+        if self._parameterNode is None:
+            return
+        self.binder.show(self._parameterNode)
         chosen = self._parameterNode.vessel, self._parameterNode.centerline
         if chosen != self._chosen:
             self._chosen = chosen
@@ -217,7 +215,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._carrying.start()
         self.lesions.follow(self._parameterNode)
         self.recoil.follow(self._parameterNode)
-        self.table.show(self.stents.values(), self._parameterNode.selected)
+        self.table.show(stentsOf(self._parameterNode), self._parameterNode.selected)
         self._state.show(self._parameterNode)
         self._showSections()
         self._requestUpdate()
@@ -246,7 +244,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
 
     def onHandleGrabbed(self, handle):
         """Edit the stent that the mouse takes; keys move it on, and remove it, not the point in the view."""
-        handles = [values["handle"] for values in self.stents.values()]
+        handles = [stent.handle for stent in stentsOf(self._parameterNode)]
         if handle in handles and handle is not handles[self._parameterNode.selected]:
             self.stents.select(handles.index(handle))
         if handle in handles:

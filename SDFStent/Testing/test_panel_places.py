@@ -174,18 +174,6 @@ def test_while_it_is_dragged_a_stent_at_a_lesion_is_previewed(host, theInputs, t
     assert "9.0" in theInputs.ui.lumenLabel.text
 
 
-def test_it_is_told_that_root_and_reference_of_a_plan_are_left_out(host, theInputs, tmp_path):
-    path = tmp_path / "plan.json"
-    for more, isTold in (
-        ({}, False),
-        ({"root": (0, 0, 9)}, True),
-        ({"reference": [(0, 0, 9)]}, True),
-    ):
-        save_plan(Plan([Stent(8.0, placement=AtLesion(1), length=12.0)], frame="RAS", **more), path)
-        theInputs.logic.loadPlan(path, theInputs._parameterNode)
-        assert ("are left out" in theInputs.ui.statusLabel.text) == isTold
-
-
 @pytest.fixture
 def oneNowhere(host, aStent):
     """The panel with a second stent that is off, and whose handle has no points yet."""

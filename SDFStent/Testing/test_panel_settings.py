@@ -6,7 +6,7 @@ import pytest
 
 @pytest.mark.parametrize("name", ["falloff", "blend"])
 def test_shapes_are_named_in_words_from_gradual_to_steep(host, aPanel, name):
-    from SDFStentSlicer.ParameterNode import CHOICE_LABELS
+    from SDFStentSlicer.PlanFields import CHOICE_LABELS
 
     from SDFStentLib.deformation import BLENDS, FALLOFFS
 
@@ -25,17 +25,21 @@ def test_shapes_are_named_in_words_from_gradual_to_steep(host, aPanel, name):
         assert getattr(aPanel._parameterNode.method, name) == list(known)[index]
 
 
-def test_choices_are_those_of_the_library(theModule):
-    from SDFStentSlicer.ParameterNode import CHOICE_LABELS, MethodParameters
+def test_choices_are_those_of_the_library(aLogic):
+    from SDFStentSlicer.PlanFields import CHOICE_LABELS
 
     from SDFStentLib.deformation import BLENDS, FALLOFFS, RULES, DeploymentSettings
 
     for known, name in ((BLENDS, "blend"), (FALLOFFS, "falloff"), (RULES, "rule")):
         assert list(CHOICE_LABELS[name]) == list(known)
         assert len(set(CHOICE_LABELS[name].values())) == len(known)
+        method = aLogic.getParameterNode().method
+        assert getattr(method, name) == getattr(DeploymentSettings(), name)
         for value in known:
-            MethodParameters(**{name: value})
-        assert getattr(MethodParameters(), name) == getattr(DeploymentSettings(), name)
+            setattr(method, name, value)
+            assert getattr(method, name) == value
+        with pytest.raises(ValueError, match="one of"):
+            setattr(method, name, "none of them")
 
 
 @pytest.mark.parametrize(

@@ -181,7 +181,7 @@ def test_what_cannot_be_shown_is_said_and_leaves_nothing(
     aLogic, theParameters, aScene, tmp_path, monkeypatch, key, limit, sentence
 ):
     """With a panel that reaches less far than the library, which refuses the same values itself."""
-    from SDFStentSlicer.ParameterNode import RANGES
+    from SDFStentSlicer.PlanFields import RANGES
 
     from SDFStentLib.validation import InputError
 
@@ -376,3 +376,75 @@ def test_vessels_are_called_as_the_plan_does(aLogic, theParameters, tmp_path):
     list(search.portions())
     assert search.found[0].branch_name != "LPA"
     assert "expected a place in a vessel" in search.remark
+
+
+@pytest.fixture
+def aMarkedPlan(aLogic, theParameters, tmp_path):
+    """A plan file in LPS with a root and healthy vessel of its own: those of the far end, and beside the first lesion."""
+    from SDFStentLib.plan import load_plan, save_plan
+
+    vessel, centerline = theParameters.vessel, theParameters.centerline
+    for node, name in ((vessel, "wall.vtp"), (centerline, "line.vtp")):
+        saveAsFile(node, tmp_path / name, "LPS")
+    aLogic.savePlan(tmp_path / "plan.json", theParameters)
+    plan = load_plan(tmp_path / "plan.json")
+    tree = aLogic.centerlineOf(theParameters)
+    search = aLogic.lesionSearch(theParameters)
+    for _part in search.portions():
+        pass
+    path = tree.path_around(search.found[0].point, 80.0)
+    marks = np.array([tree.points[tree.leaves[0]], path.points[0]]) * (-1, -1, 1)
+    root, healthy = (tuple(float(value) for value in mark) for mark in marks)
+    assert plan.frame == "LPS"
+    save_plan(replace(plan, root=root, reference=(healthy,)), tmp_path / "marked.json")
+    return tmp_path / "marked.json"
+
+
+def test_root_and_healthy_vessel_of_a_plan_are_used_and_saved(
+    aLogic, theParameters, aMarkedPlan, tmp_path
+):
+    from SDFStentLib.plan import load_plan, read_plan_inputs
+
+    plan = load_plan(aMarkedPlan)
+    before = aLogic.centerlineOf(theParameters).points[0]
+    aLogic.loadPlan(aMarkedPlan, theParameters)
+    assert theParameters.status == ""
+    tree = aLogic.centerlineOf(theParameters)
+    root = tree.points[tree.parent == -1][0] if (tree.parent == -1).any() else tree.points[0]
+    inputs = read_plan_inputs(plan)
+    np.testing.assert_allclose(root, inputs.vessel.root * (-1, -1, 1), atol=1e-4)
+    assert np.linalg.norm(root - before) > 10.0
+    search = aLogic.lesionSearch(theParameters)
+    for _part in search.portions():
+        pass
+    found, expected = search.found, inputs.vessel.lesions
+    assert len(found) == len(expected) > 0
+    for one, other in zip(found, expected, strict=True):
+        assert one.percent_diameter == pytest.approx(other.percent_diameter, abs=0.01)
+        assert one.reference_diameter == pytest.approx(other.reference_diameter, abs=1e-3)
+    aLogic.savePlan(tmp_path / "again.json", theParameters)
+    again = load_plan(tmp_path / "again.json")
+    np.testing.assert_allclose(again.root, plan.root, atol=1e-9)
+    np.testing.assert_allclose(again.reference, plan.reference, atol=1e-9)
+
+
+def test_root_and_healthy_vessel_go_along_with_the_centerline(
+    aLogic, theParameters, aMarkedPlan, aScene
+):
+    from SDFStentSlicer import Plans
+    from vtkmodules.vtkCommonMath import vtkMatrix4x4
+
+    aLogic.loadPlan(aMarkedPlan, theParameters)
+    aLogic.carry(theParameters)
+    before = Plans.marksOf(theParameters)
+    move = aScene.AddNewNodeByClass("vtkMRMLLinearTransformNode")
+    for node in (theParameters.vessel, theParameters.centerline):
+        node.SetAndObserveTransformNodeID(move.GetID())
+    matrix = vtkMatrix4x4()
+    for row, value in enumerate((5.0, -7.0, 11.0)):
+        matrix.SetElement(row, 3, value)
+    move.SetMatrixTransformToParent(matrix)
+    assert aLogic.carry(theParameters)
+    after = Plans.marksOf(theParameters)
+    np.testing.assert_allclose(after.root - before.root, (5.0, -7.0, 11.0), atol=1e-9)
+    np.testing.assert_allclose(after.reference[0] - before.reference[0], (5.0, -7.0, 11.0))

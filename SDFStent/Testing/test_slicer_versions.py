@@ -38,11 +38,10 @@ def test_a_parameter_set_that_was_left_hears_of_nothing(host, aPanel):
 
 
 def test_node_types_are_optional_in_the_way_that_every_python_tells_apart(theModule):
-    from SDFStentSlicer.ParameterNode import SDFStentParameterNode, StentParameters
+    from SDFStentSlicer.ParameterNode import SDFStentParameterNode
 
-    for cls in (SDFStentParameterNode, StentParameters):
-        hints = typing.get_type_hints(cls, include_extras=True)
-        assert [n for n, hint in hints.items() if isinstance(hint, types.UnionType)] == []
+    hints = typing.get_type_hints(SDFStentParameterNode, include_extras=True)
+    assert [n for n, hint in hints.items() if isinstance(hint, types.UnionType)] == []
 
 
 def test_the_module_needs_no_class_of_modules_that_are_loaded_after_it(host, theModule):

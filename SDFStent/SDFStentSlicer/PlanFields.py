@@ -1,0 +1,253 @@
+"""What the panel knows of the values of a plan: by which path and in which unit it shows them, how far they go, and how they are called."""
+
+import enum
+from typing import Any, NamedTuple
+
+from slicer.i18n import tr as _
+
+from SDFStentLib.flow import Known
+from SDFStentLib.parameter import parameters_of
+from SDFStentLib.plan import Plan, method_parameters, stent_entry
+from SDFStentLib.stent import Stent
+from SDFStentLib.treatment import LONGEST_MARGIN, RATIOS
+
+
+class Placement(enum.Enum):
+    """What the points of a stent's handle mean."""
+
+    CENTER = "center"
+    DISTAL_END = "distal"
+    PROXIMAL_END = "proximal"
+    BETWEEN_POINTS = "between"
+    ALONG_CURVE = "axis"
+    AGAIN = "again"
+    AT_LESION = "lesion"
+    ON_BRANCH = "branch"
+
+    def label(self):
+        """The text in the panel."""
+        return {
+            Placement.CENTER: _("Middle at a point"),
+            Placement.DISTAL_END: _("Distal end at a point"),
+            Placement.PROXIMAL_END: _("Proximal end at a point"),
+            Placement.BETWEEN_POINTS: _("Between two points"),
+            Placement.ALONG_CURVE: _("Along a curve"),
+            Placement.AGAIN: _("Dilates a stent again"),
+            Placement.AT_LESION: _("At a lesion"),
+            Placement.ON_BRANCH: _("On a branch"),
+        }[self]
+
+    @classmethod
+    def of(cls, place):
+        """The kind of a place in the document."""
+        key = next(iter(place))
+        return cls.BETWEEN_POINTS if key == "from" else cls.AGAIN if key == "stent" else cls(key)
+
+    @property
+    def place(self):
+        """The place of a document of which no more than the kind is known: the rest is with the handle."""
+        if self == Placement.BETWEEN_POINTS:
+            return {"from": None, "to": None}
+        return {"stent" if self == Placement.AGAIN else self.value: None}
+
+    @property
+    def usesHandleLength(self):
+        """Whether the handle alone says how long the stent is."""
+        return self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE, Placement.AGAIN)
+
+    @property
+    def isOfVessel(self):
+        """Whether what the vessel has says where the stent is, and the handle follows."""
+        return self in (Placement.AT_LESION, Placement.ON_BRANCH)
+
+    @property
+    def needsCenterline(self):
+        """Whether the axis is that of the centerline."""
+        return self not in (Placement.ALONG_CURVE, Placement.AGAIN)
+
+    @property
+    def pointCount(self):
+        """How many placed points the handle needs."""
+        return 2 if self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE) else 1
+
+
+def _fieldOf(name):
+    first, *others = name.split("_")
+    return first + "".join(map(str.capitalize, others))
+
+
+def _inWords(name):
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name.replace('_', ' ')}"
+
+
+class Range(NamedTuple):
+    """What a number may be, in the library as in the panel, and how it is called."""
+
+    low: float
+    high: float
+    words: str
+    unit: str = " mm"
+
+
+METHOD_PARAMETERS = {
+    _fieldOf(name): (name, one)
+    for name, one in method_parameters().items()
+    if one.option and (one.names or one.unit)
+}
+"""By field of `MethodParameters`: name and `Parameter` of what the panel shows of the method as the library has it."""
+
+_OF_STENT = parameters_of(Stent)
+_SHORTENING = _OF_STENT["foreshortening_fraction"]
+
+RANGES = {
+    "diameter": Range(0.1, _OF_STENT["diameter"].most, "a diameter"),
+    "length": Range(0.1, _OF_STENT["length"].most, "a length"),
+    "foreshortening": Range(
+        100 * _SHORTENING.least, 100 * _SHORTENING.most, "a foreshortening", " %"
+    ),
+    "redilation": Range(0.0, _OF_STENT["diameter"].most, "a redilation"),
+    **{
+        field: Range(0.0 if one.is_optional else one.lowest, one.most, _inWords(name))
+        for field, (name, one) in METHOD_PARAMETERS.items()
+        if one.unit
+    },
+    "straightening": Range(0.0, 100.0, "a straightening", " %"),
+    "flowMean": Range(0.0, 60.0, "a mean flow", " L/min"),
+    "flowPeak": Range(0.0, 200.0, "a peak flow", " L/min"),
+    "inletPressure": Range(0.0, 300.0, "a pressure at the inlet", " mmHg"),
+    "wedgePressure": Range(0.0, 300.0, "a wedge pressure", " mmHg"),
+    "splitRight": Range(0.0, 99.0, "a share of the flow to the right", " %"),
+    "flowBsa": Range(0.0, parameters_of(Known)["bsa"].most, "a body surface area", " m2"),
+    "suggestRatio": Range(*RATIOS, "a ratio to the adjacent vessel", ""),
+    "suggestMargin": Range(0.0, LONGEST_MARGIN, "a margin"),
+}
+
+
+CHOICE_LABELS = {
+    "rule": {"events": _("adaptive"), "published": _("as in the paper")},
+    "falloff": {
+        "compact": _("gradual (as in the paper)"),
+        "wendland": _("steep (Wendland)"),
+        "cosine": _("gradual (half cosine)"),
+    },
+    "blend": {
+        "linear": _("gradual (as in the paper)"),
+        "quadratic": _("steeper (quadratic)"),
+        "exponential": _("steepest (exponential)"),
+    },
+}
+"""The texts in the panel for the library's keys, by parameter."""
+
+KEPT_LABELS = {
+    "center": _("Center"),
+    "proximal": _("Proximal end"),
+    "distal": _("Distal end"),
+}
+"""The texts in the panel for what a stent can keep, by the library's word."""
+
+REMEDIES = {
+    "foreshortening": _(" (in Device, untick As known of the device or move Foreshortening)"),
+    "unusual": _(" (in Flow, tick Unusual flow is meant so)"),
+}
+"""What the library's sentences advise, as the panel calls it."""
+
+
+ML_PER_S = 1000 / 60
+"""In one liter per minute."""
+
+UNITS = {
+    " %": (lambda value: 100 * value, lambda value: value / 100),
+    " L/min": (lambda value: value / ML_PER_S, lambda value: value * ML_PER_S),
+}
+"""By what stands behind a number in the panel: from the plan to what is shown, and back. All other numbers are as in the plan."""
+
+
+class Field(NamedTuple):
+    """By what Python code has a value of the plan: its path, its unit in the panel, and what stands for none."""
+
+    path: str
+    unit: str = ""
+    none: Any = None
+
+    def shown(self, value):
+        """A value of the plan as in the panel."""
+        if value is None:
+            return self.none
+        return UNITS[self.unit][0](value) if self.unit in UNITS else value
+
+    def planned(self, value):
+        """A value of the panel as in the plan."""
+        if self.none is not None and value == self.none:
+            return None
+        return UNITS[self.unit][1](value) if self.unit in UNITS else value
+
+
+class PlaceField(Field):
+    """The kind of a placement; setting it forgets the place of another kind."""
+
+    def shown(self, value):
+        return Placement.of(value)
+
+    def planned(self, value):
+        return value.place if isinstance(value, Placement) else value
+
+
+USUAL = {
+    **stent_entry(Stent(8.0, length=20.0, foreshortening_fraction=0.1, name="Stent")),
+    "placement": Placement.CENTER.place,
+    "whole_curve": True,
+    "device_shortening": False,
+    "redilation": None,
+}
+"""What a stent has in the document unless it is set: the values of the library's, and what else the panel knows of it. Length and
+shortening are kept while others than these count: the whole curve, or what is known of the device. `redilation` is the diameter to which
+it is dilated once more at once, mm."""
+
+STENT = {
+    "label": Field("name"),
+    "foreshortening": Field("foreshortening_fraction", " %"),
+    "placement": PlaceField("placement"),
+    "wholeCurve": Field("whole_curve"),
+    "deviceShortening": Field("device_shortening"),
+    "redilation": Field("redilation", none=0.0),
+}
+STENT |= {name: Field(name) for name in USUAL if name not in {one.path for one in STENT.values()}}
+METHOD = {
+    field: Field(f"settings.{name}", none=0.0 if one.is_optional else None)
+    for field, (name, one) in METHOD_PARAMETERS.items()
+} | {"straightening": Field("settings.straightening_fraction", " %")}
+FLOW = {
+    "flowMean": Field("flow.mean", " L/min", 0.0),
+    "flowPeak": Field("flow.peak", " L/min", 0.0),
+    "inletPressure": Field("flow.inlet", none=0.0),
+    "wedgePressure": Field("flow.wedge", none=0.0),
+    "splitRight": Field("flow.split_right", " %", 0.0),
+    "flowBsa": Field("flow.bsa", none=0.0),
+    "flowUnusual": Field("flow.unusual", none=False),
+}
+DEFAULTS = {"settings": Plan().method, "stents": [], "flow": None, "inputs": {}}
+STENT_FIELDS = (*STENT, "handle")
+PATHS = {f"stents.selected.{one.path}": name for name, one in STENT.items()} | {
+    one.path: name for name, one in {**METHOD, **FLOW}.items()
+}
+"""Names by path."""
+
+
+def check(name, value):
+    """Refuse a number that is beyond its range."""
+    limits = RANGES.get(name)
+    if None not in (limits, value) and not limits.low <= value <= limits.high:
+        raise ValueError(f"{name}: expected {limits.low:g} to {limits.high:g}, got {value!r}")
+    kind = METHOD_PARAMETERS.get(name)
+    if kind is not None and kind[1].names:
+        kind[1].choice(value, name)
+
+
+def entryOf(values):
+    """Changes of a stent, by names of Python code or those of the document, as in the document."""
+    changes = {}
+    for name, value in values.items():
+        check(name, value)
+        field = STENT.get(name)
+        changes[field.path if field else name] = field.planned(value) if field else value
+    return changes
