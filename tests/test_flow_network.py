@@ -121,7 +121,7 @@ def test_a_bend_costs_what_blood_loses_that_it_sweeps_across(dean, mouth, layer,
     area, spread = np.full(steps + 2, np.pi), np.full(steps + 2, 2 / (np.pi * reynolds))
     area[0] *= mouth
     bends = np.full(steps + 2, 0.128)
-    layers = layers_of(way, area, spread, bends)
+    layers = layers_of(way, area, spread, deans_of(area, spread, bends))
     assert layers[1] == pytest.approx(layer, abs=0.01)
     swept = swept_of(way, area, layers, deans_of(area, spread, bends))[1:]
     friction = profile_of(layers[1:]).friction

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from lesion_cases import bifurcation_case
 
-from benchmarks.phantoms import stenosed_tube
+from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.centerline import Centerline, joined_lumens
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Surface
@@ -39,6 +39,28 @@ def test_what_was_measured_with_a_cap_is_not_taken_for_what_has_none(a_tube):
     plain = measured_at(a_tube.surface, points, along, without.triangles)
     np.testing.assert_array_equal(opened.spheres.radii, plain.spheres.radii)
     assert (opened.spheres.radii != capped.spheres.radii).any()
+
+
+def test_nothing_that_was_measured_before_changes_an_answer_by_a_bit():
+    """Plans that are compared and cases of a sweep share a vessel, and answer as if alone."""
+    phantom = branching_pulmonary_artery()
+    tree, (main, _) = phantom.centerline, phantom.vessels
+    places = [main.axis.point(at)[0] for at in np.random.default_rng(62).uniform(18, 44, 6)]
+
+    def answers(surface, place):
+        stents = [Stent(7.0, placement=AtCenter(place), length=8.0, may_be_shortened=True)]
+        (found,) = Treatment(surface, stents, tree).result.stents
+        profiles = found.around_before, found.around_after
+        return [
+            *(one for each in profiles for one in (each.inscribed_diameter, each.centers)),
+            *(np.array([one.before, one.after]) for one in found.neighbors),
+        ]
+
+    shared = Surface(phantom.points, phantom.triangles)
+    for place in [*places, places[0]]:
+        alone = answers(Surface(phantom.points, phantom.triangles), place)
+        for one, own in zip(answers(shared, place), alone, strict=True):
+            np.testing.assert_array_equal(one, own)
 
 
 def test_the_surroundings_of_a_place_are_surveyed_once_for_all_diameters(a_tube):

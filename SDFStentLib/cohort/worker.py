@@ -119,7 +119,6 @@ def write_failure(store: Store, task: Task, reason: str) -> Outcome:
 
 
 def _carried_out(task: Task, inputs: InputFiles) -> PlanResult:
-    inputs = inputs.unmeasured()
     plan = plan_of_case(task.plan, task.stent, task.case.parameters, task.constraints, inputs)
     return PlanResult(plan, inputs, treatment_of(plan, inputs).result)
 

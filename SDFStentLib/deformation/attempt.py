@@ -12,13 +12,22 @@ from ..certificate import Comparison, MotionCheck
 from ..field import CapsuleChain
 from ..geometry import consistently_wound, dot, twins, vertex_normals
 from ..lumen import caps_across
-from ..validation import Points, Triangles
+from ..validation import Floats, Indices, Points, Triangles
 from .draped import draped
 from .event_steps import event_steps, published_steps
-from .lumen import COARSEST_REACH, Expanded, OwnWall, drawn_in, facets_compensated, finished
+from .lumen import (
+    COARSEST_REACH,
+    Expanded,
+    OnStent,
+    OwnWall,
+    drawn_in,
+    facets_compensated,
+    finished,
+)
 from .motion import Motion
 from .patch import Patch
-from .stent_checks import motion_check
+from .profiles import StepRule
+from .stent_checks import CAPS_WITHIN, motion_check
 from .untangle import Relief, Tangle, taken_apart
 from .values import DeploymentState, DeploymentTask, away_from_wall
 from .wall_around import own_share
@@ -26,14 +35,90 @@ from .wall_around import own_share
 WALL_CLEARANCE = 0.9
 """Largest radius of the crimped stent, as a share of the nearest wall's distance from the axis."""
 
-CAPS_WITHIN = 2.0
-"""Distance from the stent's ends, in its radii, within which caps are looked for."""
+GAP_RAMP = (-0.5, 0.5)
+"""Cosines of facing between which the tissue gap grows from nothing to its full thickness."""
+
+Reached = tuple[Indices, NDArray[np.int32]]
+"""Numbers of points, and the nearest node of each, as of `within_reach`."""
 
 NOTHING = np.empty(0, dtype=np.int64)
 
 
-class Attempt:
-    """One run of the radius steps with one tissue gap.
+class Growth:
+    """The radius steps of one stent, and the lumen that it leaves.
+
+    Attributes
+    ----------
+    task : DeploymentTask
+    motion : Motion
+        Of the points that can move, those of the wall first.
+    numbers : (n,) array
+        Their numbers among all points of the wall and, behind these, the companions.
+    wall_count : int
+        How many of them are of the wall.
+    start : (n, 3) array
+        Where they were, mm.
+    """
+
+    def __init__(
+        self,
+        task: DeploymentTask,
+        points: Points,
+        near_wall: Reached,
+        near_companions: Reached,
+        below: float = np.inf,
+    ) -> None:
+        """Begin with those of some points of a wall, mm, and of the companions that are reached.
+
+        Without what is on the field level `below`, mm, or above it.
+        """
+        self.task = task
+        (wall, beside_wall), (dragged, beside_dragged) = near_wall, near_companions
+        motion = Motion(
+            task.capsules,
+            np.concatenate([points[wall], task.companions[dragged]]),
+            np.arange(len(wall) + len(dragged)) < len(wall),
+            np.concatenate([beside_wall, beside_dragged]),
+        )
+        # A companion inside the expanded stent stays where it is.
+        keep = motion.touchable | (motion.level >= task.target_level)
+        motion.restricted(keep & (motion.level < below))
+        self.motion = motion
+        self.numbers = np.concatenate([wall, len(points) + dragged])[motion.indices]
+        self.wall_count = int(motion.touchable.sum())
+        if not self.wall_count:
+            raise away_from_wall(task)
+        self.start = motion.positions.copy()
+        nearest = float(motion.level[: self.wall_count].min())
+        self._crimped = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
+
+    def steps(self, rule: StepRule | None = None) -> Iterator[float]:
+        """Run the radius steps, by the settings' rule or another one; yields the field level
+        reached after each."""
+        rule = rule or self.task.settings.step_rule()
+        run = event_steps if self.task.settings.rule == "events" else published_steps
+        return run(self.motion, rule, self._crimped, self.task.target_level)
+
+    def keep_tissue(self, thickness: Floats) -> None:
+        """Keep so much tissue (n,), mm, between the stent and the points of the wall."""
+        offset = np.zeros(len(self.motion.level))
+        offset[: self.wall_count] = thickness
+        self.motion.set_offset(offset)
+
+    @property
+    def expanded(self) -> Expanded:
+        """The stent in the end."""
+        task = self.task
+        return Expanded(task.target_level, task.radius, task.settings.contact_tolerance)
+
+    def settled(self) -> OnStent:
+        """After the last step: all points on the prescribed lumen that belong there."""
+        self.motion.settled(self.task.target_level)
+        return finished(self.motion, self.expanded)
+
+
+class Attempt(Growth):
+    """One run of the radius steps on the wall itself, with one tissue gap.
 
     Attributes
     ----------
@@ -43,19 +128,20 @@ class Attempt:
     """
 
     def __init__(self, task: DeploymentTask, ramp: tuple[float, float], gap: float) -> None:
-        self.task, self._gap = task, gap
+        self._gap = gap
         self._copies = self._copied = NOTHING
-        self.motion, self.numbers = self._active(gap)
+        reach = task.settings.influence_distance + gap
+        if task.settings.finish and task.settings.facet_compensation:
+            # Corners that nothing drags along may have to make way for the edge between them.
+            reach = max(reach, (COARSEST_REACH - 1) * task.radius)
+        reach += task.target_level
+        wall, dragged = _wall(task, reach), self._dragged(task, reach)
+        # A point beyond reach never moves.
+        super().__init__(task, task.surface.points, wall, dragged, below=reach)
         self.positions = self.motion.positions
-        self.start = self.positions.copy()
-        self.wall_count = int(self.motion.touchable.sum())
         self.ascending = np.argsort(self.numbers[: self.wall_count])
-        if not self.wall_count:
-            raise away_from_wall(task)
         self.patch = Patch.around(task.surface, self.numbers[: self.wall_count])
         self.patch_start = self.patch.points(task.surface.points, self.start[: self.wall_count])
-        nearest = float(self.motion.level[: self.wall_count].min())
-        self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
         self.motion.drags = self._drags()
         # A wall point that is certain to be of the stented lumen; unknown unless that is finished.
         self._nearest_own: int | None = None
@@ -63,12 +149,6 @@ class Attempt:
         self.relief: Relief | None = None
         if gap > 0 or task.settings.finish:
             self._keep_tissue(ramp, gap)
-
-    def steps(self) -> Iterator[float]:
-        """Run the radius steps; yields the field level reached after each."""
-        settings = self.task.settings
-        run = event_steps if settings.rule == "events" else published_steps
-        return run(self.motion, settings.step_rule(), self.start_radius, self.task.target_level)
 
     def state(self, level: float) -> DeploymentState:
         """Everything that has moved so far, in the caller's numbering."""
@@ -91,10 +171,7 @@ class Attempt:
 
     def finish(self) -> None:
         """After the last step: put the wall in contact on the prescribed lumen, if asked to."""
-        positions = self.motion.positions
-        if self.task.settings.finish:
-            self.motion.settled(self.task.target_level)
-            positions = self._on_lumen()
+        positions = self._on_lumen() if self.task.settings.finish else self.motion.positions
         self.motion.freeze()
         self.positions = positions
 
@@ -105,13 +182,12 @@ class Attempt:
 
     def _on_lumen(self) -> Points:
         task, settings = self.task, self.task.settings
-        stent = Expanded(task.target_level, task.radius, settings.contact_tolerance)
-        positions, on_stent = finished(self.motion, stent)
+        positions, on_stent = self.settled()
         if self._nearest_own is not None:
             share = self._own_share(self._nearest_own)
             own = np.flatnonzero(share)
             drawn = OwnWall(own, share[own], self.start[own])
-            positions, back = drawn_in(self.motion, positions, drawn, stent)
+            positions, back = drawn_in(self.motion, positions, drawn, self.expanded)
             on_stent = np.union1d(on_stent, back)
         self._uncompensated = positions
         if not settings.facet_compensation:
@@ -158,36 +234,15 @@ class Attempt:
         self.positions = np.concatenate([wall, others])
         return best.rounds
 
-    def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
-        """The points that can move, and their numbers among points and companions."""
-        task, points = self.task, self.task.surface.points
-        reach = task.settings.influence_distance + gap
-        if task.settings.finish and task.settings.facet_compensation:
-            # Corners that nothing drags along may have to make way for the edge between them.
-            reach = max(reach, (COARSEST_REACH - 1) * task.radius)
-        reach += task.target_level
-        wall, near_wall = within_reach(points, task.capsules, reach)
-        # A point that no triangle uses is no wall; nobody would see it touched.
-        is_used = task.is_used[wall]
-        wall, near_wall = wall[is_used], near_wall[is_used]
-        dragged, near_dragged = within_reach(task.companions, task.capsules, reach)
+    def _dragged(self, task: DeploymentTask, reach: float) -> Reached:
+        """The companions within reach: of those that lie on one another one, for all of them."""
+        dragged, near = within_reach(task.companions, task.capsules, reach)
         # A tree and the file that it was made of, or overlapping lines, have the same points.
         twin = twins(task.companions, dragged)
         is_first = np.ones(len(dragged), dtype=bool) if twin is None else twin[dragged] == dragged
         self._copies = dragged[~is_first]
         self._copied = self._copies if twin is None else twin[self._copies]
-        dragged, near_dragged = dragged[is_first], near_dragged[is_first]
-        numbers = np.concatenate([wall, len(points) + dragged])
-        motion = Motion(
-            task.capsules,
-            np.concatenate([points[wall], task.companions[dragged]]),
-            np.arange(len(numbers)) < len(wall),
-            np.concatenate([near_wall, near_dragged]),
-        )
-        # A companion inside the expanded stent stays where it is; a point beyond reach never moves.
-        keep = motion.touchable | (motion.level >= task.target_level)
-        motion.restricted(keep & (motion.level < reach))
-        return motion, numbers[motion.indices]
+        return dragged[is_first], near[is_first]
 
     def _keep_tissue(self, ramp: tuple[float, float], gap: float) -> None:
         """Let walls of other lumens keep a tissue thickness from the stent.
@@ -210,10 +265,9 @@ class Attempt:
             normals = vertex_normals(task.surface.points, task.outward_triangles)
             normals = normals[self.numbers[wall]]
         if gap > 0:
-            offset = np.zeros(len(self.motion.level))
-            offset[wall] = tissue_offset(normals, direction, ramp, gap)
-            self.motion.set_offset(offset)
-            self._tissue = offset[wall] / gap
+            offset = tissue_offset(normals, direction, ramp, gap)
+            self.keep_tissue(offset)
+            self._tissue = offset / gap
         else:
             self._tissue = tissue_offset(normals, direction, ramp, 1.0)
         if not task.settings.finish:
@@ -257,17 +311,23 @@ class Attempt:
         return own_share(sides, tissue, nearest)[: self.wall_count]
 
 
+def _wall(task: DeploymentTask, reach: float) -> Reached:
+    """The points of the wall within reach."""
+    wall, near = within_reach(task.surface.points, task.capsules, reach)
+    # A point that no triangle uses is no wall; nobody would see it touched.
+    is_used = task.is_used[wall]
+    return wall[is_used], near[is_used]
+
+
 def tissue_offset(
     normals: Points, direction: Points, ramp: tuple[float, float], gap: float
-) -> NDArray[np.float64]:
+) -> Floats:
     """Tissue (n,), mm, between the stent and walls: the more they face it, the more is kept."""
     share = np.clip((-dot(normals, direction) - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
     return np.asarray(gap * share**2 * (3 - 2 * share))
 
 
-def within_reach(
-    points: Points, chain: CapsuleChain, reach: float
-) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+def within_reach(points: Points, chain: CapsuleChain, reach: float) -> Reached:
     """Points whose field may be below a level, mm, and the nearest node of each.
 
     Points outside of a box round the axis are skipped first.

@@ -15,15 +15,12 @@ import numpy as np
 from ..certificate import Comparison, Verdict, certificate_of, fitness_after
 from ..field import CapsuleChain
 from ..geometry import Surface
-from .attempt import Attempt
+from .attempt import GAP_RAMP, Attempt
 from .settings import DeploymentSettings
 from .untangle import relaxed
 from .values import DeploymentResult, DeploymentState, DeploymentTask
 
 __all__ = ["Deployment", "DeploymentResult", "DeploymentState", "deploy"]
-
-GAP_RAMP = (-0.5, 0.5)
-"""Cosines of facing between which the tissue gap grows from nothing to its full thickness."""
 
 RETRIES = (((-1.0, 1.0), 1.0), (GAP_RAMP, 2.0), (GAP_RAMP, 0.5), (GAP_RAMP, 3.0))
 """Ramps and multiples of the tissue gap that are tried in turn when a fold remains."""

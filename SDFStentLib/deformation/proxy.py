@@ -22,15 +22,12 @@ from ..field import CapsuleChain
 from ..geometry import Surface, as_surface
 from ..lumen import looks_across
 from ..validation import Indices, Points, as_points
-from .attempt import CAPS_WITHIN, WALL_CLEARANCE, tissue_offset, within_reach
-from .deployment import GAP_RAMP
-from .event_steps import event_steps, published_steps
-from .lumen import Expanded, finished
-from .motion import Motion
+from .attempt import GAP_RAMP, Growth, tissue_offset, within_reach
 from .profiles import StepRule
 from .proxy_sample import Near, SampledWall, Spreading, moved_rows
 from .settings import DeploymentSettings
-from .values import DeploymentState, DeploymentTask, away_from_wall
+from .stent_checks import CAPS_WITHIN
+from .values import DeploymentState, DeploymentTask
 
 SAMPLED = 1500
 """Most points, about, that a sample has within reach of the stent; it has at least half as many."""
@@ -195,43 +192,23 @@ def _expanded(
     task: DeploymentTask, rule: StepRule, points: Points, normals: Points
 ) -> _MovedSample:
     """Run the radius steps of the method on some points of the wall."""
-    reach = _reach(task)
-    wall, near_wall = within_reach(points, task.capsules, reach)
-    dragged, near_dragged = within_reach(task.companions, task.capsules, reach)
-    if not len(wall):
-        raise away_from_wall(task)
-    motion = Motion(
-        task.capsules,
-        np.concatenate([points[wall], task.companions[dragged]]),
-        np.arange(len(wall) + len(dragged)) < len(wall),
-        np.concatenate([near_wall, near_dragged]),
-    )
-    numbers = np.concatenate([wall, len(points) + dragged])[motion.indices]
-    keep = motion.touchable | (motion.level >= task.target_level)
-    motion.restricted(keep)
-    numbers = numbers[keep]
-    offset = np.zeros(len(numbers))
-    is_wall = motion.touchable
-    facing = normals[numbers[is_wall]]
+    reach, capsules = _reach(task), task.capsules
+    wall, dragged = (within_reach(one, capsules, reach) for one in (points, task.companions))
+    growth = Growth(task, points, wall, dragged)
+    motion, own = growth.motion, slice(growth.wall_count)
+    facing, positions = normals[growth.numbers[own]], motion.positions[own]
+    motion.drags = motion.touchable.copy()
+    within = CAPS_WITHIN * task.radius
+    motion.drags[own] = ~looks_across(positions, facing, capsules.nodes, within)
     gap = task.settings.tissue_gap
-    offset[is_wall] = tissue_offset(facing, motion.outward[is_wall], GAP_RAMP, gap)
-    within, nodes = CAPS_WITHIN * task.radius, task.capsules.nodes
-    motion.drags = is_wall.copy()
-    motion.drags[is_wall] = ~looks_across(motion.positions[is_wall], facing, nodes, within)
-    nearest = float(motion.level[is_wall].min())
-    motion.set_offset(offset)
-    start = motion.positions.copy()
-    crimped = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
-    steps = published_steps if task.settings.rule == "published" else event_steps
-    for _ in steps(motion, rule, crimped, task.target_level):
+    growth.keep_tissue(tissue_offset(facing, motion.outward[own], GAP_RAMP, gap))
+    for _ in growth.steps(rule):
         pass
-    motion.settled(task.target_level)
-    stent = Expanded(task.target_level, task.radius, task.settings.contact_tolerance)
+    on_lumen = growth.settled().positions[own]
     displacement = np.zeros((len(points) + len(task.companions), 3))
-    displacement[numbers] = motion.positions - start
+    displacement[growth.numbers] = motion.positions - growth.start
     of_wall, of_companions = np.split(displacement, [len(points)])
-    on_lumen = finished(motion, stent).positions[is_wall]
-    return _MovedSample(of_wall, task.companions + of_companions, on_lumen, numbers[is_wall])
+    return _MovedSample(of_wall, task.companions + of_companions, on_lumen, growth.numbers[own])
 
 
 def _reach(task: DeploymentTask) -> float:

@@ -187,7 +187,8 @@ def blocks_of(
     way = way_of(channels, stream.flow)
     # The kinematic viscosity over the flow, 1/m.
     spread = np.repeat(ADULT.viscosity / ADULT.density / stream.flow, np.diff(way.starts))
-    layer = layers_of(way, area, spread, stream.bends)
+    dean = deans_of(area, spread, stream.bends)
+    layer = layers_of(way, area, spread, dean)
     profile = profile_of(layer)
     attached = np.sqrt(profile.energy) / area
     # Blood parts from the inner wall of a bend, to which that sweeps the layer of the outer one.
@@ -203,7 +204,7 @@ def blocks_of(
     bent = np.cumsum(at_each, dtype=np.float64)
     # The wall rubs against what moves along it: not against the dead water round a jet.
     friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
-    swept = swept_of(way, area, layer, deans_of(area, spread, stream.bends)) * attached / jet
+    swept = swept_of(way, area, layer, dean) * attached / jet
     swept = np.append(0.0, np.cumsum(swept[:-1]))
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
     resisted, bent, swept = (_from_starts(way, values) for values in (resisted, bent, swept))

@@ -130,8 +130,8 @@ def _rates() -> tuple[list[float], list[float]]:
 _GROWS, _WIDENS = _rates()
 
 
-def deans_of(area: Floats, spread: Floats, bends: Floats | float) -> Floats:
-    """Dean's numbers (m,); arguments as of `layers_of`."""
+def deans_of(area: Floats, spread: Floats, bends: Floats) -> Floats:
+    """Dean's numbers (m,); `area` and `spread` as of `layers_of`, `bends` as of `bends_of`."""
     radius = np.sqrt(area / np.pi)
     return np.asarray(2 / (np.pi * radius * spread) * np.sqrt(radius * bends))
 
@@ -153,7 +153,7 @@ def swept_of(way: Way, area: Floats, layer: Floats, dean: Floats) -> Floats:
     return np.append(lost / (2 * area[to] ** 2), 0.0)
 
 
-def layers_of(way: Way, area: Floats, spread: Floats, bends: Floats | float = 0.0) -> Floats:
+def layers_of(way: Way, area: Floats, spread: Floats, dean: Floats | float = 0.0) -> Floats:
     """Thickness of the layer over the radius (m,); into the tree blood comes developed.
 
     Parameters
@@ -163,11 +163,11 @@ def layers_of(way: Way, area: Floats, spread: Floats, bends: Floats | float = 0.
         m^2.
     spread : ndarray (m,)
         The kinematic viscosity over the flow, 1/m.
-    bends : ndarray (m,), optional
-        As of `bends_of`; straight vessels without.
+    dean : ndarray (m,), optional
+        As of `deans_of`; straight vessels without.
     """
     # As plain numbers: one station after the other.
-    swept = (deans_of(area, spread, bends) / BENT).tolist()
+    swept = (np.broadcast_to(dean, area.shape) / BENT).tolist()
     steps = (4 * np.pi * spread * way.step).tolist()
     growth = np.diff(np.log(area), append=0.0).tolist()
     found: list[float] = []

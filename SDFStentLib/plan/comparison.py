@@ -119,7 +119,6 @@ def _carried_out(
     name: str, plan: Plan, inputs: InputFiles, show: Callable[[float], None]
 ) -> Alternative:
     try:
-        inputs = inputs.unmeasured()  # each as its own run would have it
         treatment = treatment_of(plan, inputs)
         for state in treatment:
             show(state.fraction)

@@ -51,11 +51,6 @@ class InputFiles:
     warnings: tuple[Caution, ...]
     seconds: float
 
-    def unmeasured(self) -> InputFiles:
-        """The same with `Vessel.unmeasured`, for results that no earlier one changes by a bit."""
-        vessel = self.vessel.unmeasured()
-        return replace(self, surface=replace(self.surface, surface=vessel.surface), vessel=vessel)
-
 
 class Marks(NamedTuple):
     """Places (3,), mm, that the user marked on a vessel."""

@@ -152,13 +152,9 @@ def plan_report(
         Something else than a result.
     """
     check_is_a(result, PlanResult, "result")
-    treatment, units = result.treatment, result.inputs.surface.units
-    judged = None
-    if treatment.certificate is not None:
-        judged = {**treatment.certificate.as_dict(units), "arrays_kept": not lost}
-    frame = result.inputs.surface.frame
-    stents = [stent_facts(one, result.lesions, units, frame) for one in result.told.stents]
-    seconds = {"read": result.inputs.seconds, **treatment.timings, **(timings or {})}
+    units = result.inputs.surface.units
+    cautions = (*result.warnings, *result.size_warnings, *lost)
+    seconds = {"read": result.inputs.seconds, **result.treatment.timings, **(timings or {})}
     sections = {
         "schema": SCHEMA,
         "schema_version": SCHEMA_VERSION,
@@ -166,26 +162,33 @@ def plan_report(
         "sdfstent_version": VERSION,
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "inputs": input_facts(result),
-        "stents": stents,
-        "diameters": stents[0].as_dict()["diameters"],
-        "lesions": result.lesions and [treated_lesion_facts(one, units) for one in result.lesions],
-        "today": result.today and today_facts(result.today),
-        "left": result.residual and residual_facts(result.residual),
-        "flow": None if result.flow is None else flow_section(result.flow),
-        "certificate": judged,
-        "branches": [
-            branch_facts(stent.number, branch, lumen_into(branch, stent), units)
-            for stent in result.told.stents
-            for branch in stent.branches
-        ],
-        "apposition": [one for stent in result.told.stents for one in stretch_facts(stent)],
-        "warnings": [
-            caution.sentence(units=units)
-            for caution in (*result.warnings, *result.size_warnings, *lost)
-        ],
+        **_subjects(result, units, arrays_kept=not lost),
+        "warnings": [caution.sentence(units=units) for caution in cautions],
         "settings": setting_facts(result),
         "changes": change_facts(result),
         "timings": {f"{name}_s": taken for name, taken in seconds.items()},
         "definitions": DEFINITIONS,
     }
     return Report(sections, picture)
+
+
+def _subjects(result: PlanResult, units: str, *, arrays_kept: bool) -> dict[str, Any]:
+    """What there is to tell of the result, subject by subject."""
+    judged = result.treatment.certificate
+    treated, frame = result.told.stents, result.inputs.surface.frame
+    stents = [stent_facts(one, result.lesions, units, frame) for one in treated]
+    return {
+        "stents": stents,
+        "diameters": stents[0].as_dict()["diameters"],
+        "lesions": result.lesions and [treated_lesion_facts(one, units) for one in result.lesions],
+        "today": result.today and today_facts(result.today),
+        "left": result.residual and residual_facts(result.residual),
+        "flow": None if result.flow is None else flow_section(result.flow),
+        "certificate": judged and {**judged.as_dict(units), "arrays_kept": arrays_kept},
+        "branches": [
+            branch_facts(stent.number, branch, lumen_into(branch, stent), units)
+            for stent in treated
+            for branch in stent.branches
+        ],
+        "apposition": [one for stent in treated for one in stretch_facts(stent)],
+    }

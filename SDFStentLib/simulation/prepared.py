@@ -146,17 +146,13 @@ def prepare(
     state_of(before.surface, after.surface, "treated vessel")
     ends = _ends(vessels, cut)
     tell(0.05, "the segment")
-    branches = SegmentWishes(cut.close_branches, not cut.close_branches, units=cut.units)
-    found = extract_segment(before, ends.start, ends.end, branches, after=after)
     channels = before.followed.after(tree, after.surface)
-    way = tree.path(*tree.ends_of_path(ends.start, ends.end)).points
-    means = EndFlows(model.answer(), 0, model.channels).out_of(found.before)
-    found, way, main = _along_flow(found, tree, way, means)
+    found, way, main = _cut_out(vessels, model, cut, ends)
     assert found.after is not None
     segments, extensions, warnings = _with_extensions(found, ends)
     answer = model.answer(channels, [Part("the segment", way)], solve)
     moments = (answer.before, answer.after or {})
-    told = {name: _told(one["mean"]) for name, one in zip(STATES, moments, strict=True)}
+    told = {name: _known(one["mean"]) for name, one in zip(STATES, moments, strict=True)}
     conditions = conditions_of(answer, model.channels, found.before, found.after)
     lines = Lines(tree.resampled(SPACING).points, Line(way).resampled(SPACING).points)
     both = zip(segments, conditions, strict=True)
@@ -171,6 +167,21 @@ def prepare(
     return Prepared(states, way, main, told, level, extensions, (*found.warnings, *warnings))
 
 
+def _cut_out(
+    vessels: tuple[Vessel, Vessel], model: FlowModel, cut: Cut, ends: FlowEnds
+) -> tuple[ExtractedSegment, Points, str]:
+    """The segment in both states, the way of the blood through it, and its end, as `_along_flow`
+    has them."""
+    before, after = vessels
+    tree = before.centerline
+    assert tree is not None
+    branches = SegmentWishes(cut.close_branches, not cut.close_branches, units=cut.units)
+    found = extract_segment(before, ends.start, ends.end, branches, after=after)
+    way = tree.path(*tree.ends_of_path(ends.start, ends.end)).points
+    means = EndFlows(model.answer(), 0, model.channels).out_of(found.before)
+    return _along_flow(found, tree, way, means)
+
+
 def _ends(vessels: tuple[Vessel, Vessel], cut: Cut) -> FlowEnds:
     """Those of a cut, or those beyond the wall that moved."""
     if cut.ends is not None:
@@ -183,7 +194,7 @@ def _ends(vessels: tuple[Vessel, Vessel], cut: Cut) -> FlowEnds:
     return ends_beyond(before, after, axis_of(parts.surface, is_wall, line), cut.units)
 
 
-def _told(moment: Moment) -> dict[str, tuple[float, float, float]]:
+def _known(moment: Moment) -> dict[str, tuple[float, float, float]]:
     """What the network tells of the segment, mmHg."""
     (drop,) = moment.drops
     told = {"recovered": (*drop.recovered,), "maximal": (*drop.maximal,)}

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
+
+import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Surface
@@ -13,6 +16,33 @@ from ..validation import Points
 from .straightening import AxisChange, axis_in_vessel
 from .value import PlacedStent, label_of, labeled, resolved
 from .warnings import check_width
+
+State = TypeVar("State")
+
+
+class Course(NamedTuple):
+    """A vessel between two stents of a plan."""
+
+    vessel: Surface | VesselInside
+    """Into which the next one is put."""
+    centerline: Centerline | None
+    companions: Points = np.empty((0, 3))
+    """(c, 3) further points that are dragged along, mm."""
+
+    @property
+    def dragged(self) -> Points:
+        """(n, 3) all that is dragged along, mm: the centerline, then the companions."""
+        if self.centerline is None:
+            return self.companions
+        return np.concatenate([self.centerline.points, self.companions])
+
+    def after(self, vessel: Surface | VesselInside, dragged: Points) -> Course:
+        """The next one, with what was dragged along where it is by then."""
+        tree = self.centerline
+        if tree is None:
+            return Course(vessel, None, dragged)
+        moved, companions = np.split(dragged, [len(tree.points)])
+        return Course(vessel, tree.with_points(moved), companions)
 
 
 @dataclass(frozen=True)
@@ -61,3 +91,21 @@ class Placer:
             check_width(stent.widest_diameter, axis, self.native, probes)
             row = self.rows[number - 1] if self.rows else number
             return PlacedStent(number, stent, axis, row=row)
+
+    def in_turn(
+        self,
+        numbers: Iterable[int],
+        course: Course,
+        grow: Callable[[PlacedStent, Course], Generator[State, None, Course]],
+        known: Mapping[int, PlacedStent] | None = None,
+    ) -> Generator[State, None, Course]:
+        """Place stents by number and let each grow, in order; yields the states of all.
+
+        `grow` returns the course behind a stent. Those that are `known` lie where they do.
+        """
+        placed = dict(known or {})
+        for number in numbers:
+            if number not in placed:
+                placed[number] = self.placed(number, placed, course.centerline, course.vessel)
+            course = yield from grow(placed[number], course)
+        return course

@@ -8,11 +8,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
 from ..deformation import DeploymentSettings, Proxy, ProxyState
@@ -22,7 +24,7 @@ from ..stent import Stent
 from ..validation import Floats, Indices, Points, as_number, read_only
 from ..vessel import Lesion, lesions_within, tightest
 from .branches import covered_where_moved
-from .placer import Placer
+from .placer import Course, Placer
 from .straightening import AxisChange
 from .surroundings import PROFILE_SPACING
 from .value import PlacedStent, TreatedStent, labeled, switched_on
@@ -175,36 +177,47 @@ class Preview:
         """The vessel after some stents; parameters and errors as for `Treatment`."""
         fraction = as_number(straightening_fraction, "straightening", minimum=0, maximum=1)
         settings = settings or DeploymentSettings.preview()
-        centerline, enabled = self.centerline, switched_on(stents)
-        previewed: list[PreviewedStent] = []
+        numbers = [number for number, _stent in switched_on(stents)]
         change = AxisChange.of(fraction, settings)
         placer = Placer(self.surface, stents, change, rows, self._proxy.probes)
+        grown: list[PreviewedStent] = []
+
+        def grow(placed: PlacedStent, course: Course) -> Generator[None, None, Course]:
+            is_last = placed.number == numbers[-1]
+            points = self._points if grown else None
+            with labeled(placer.label(placed.number)):
+                # Nobody asks where the last one drags the centerline.
+                dragged = () if is_last else course.dragged
+                grown.append(self._grown(placed, settings, points, dragged))
+            state = grown[-1].state.state
+            if len(numbers) > 1:
+                self._points[state.indices] = state.coordinates
+            yield from ()
+            return course if is_last else course.after(self._lumen, state.companions)
+
         try:
-            for number, _planned in enabled:
-                is_last = len(previewed) == len(enabled) - 1
-                tree = None if is_last else centerline
-                earlier = {one.number: one for one in previewed}
-                placed = placer.placed(number, earlier, centerline, self._lumen)
-                stent, axis = placed.stent, placed.axis
-                with labeled(placer.label(number)):
-                    state = self._proxy.deployed(
-                        settings.chain(axis.line, axis.profile),
-                        stent.widest_diameter / 2,
-                        settings,
-                        points=self._points if previewed else None,
-                        companions=() if tree is None else tree.points,
-                    )
-                previewed.append(PreviewedStent(number, stent, axis, state, row=placed.row))
-                if len(enabled) > 1:
-                    self._points[state.state.indices] = state.state.coordinates
-                centerline = tree and tree.with_points(state.state.companions)
-            moved, coordinates = self._moved(previewed)
-            return PreviewState(read_only(moved), read_only(coordinates), tuple(previewed))
+            deque(placer.in_turn(numbers, Course(self._lumen, self.centerline), grow))
+            moved, coordinates = self._moved(grown)
+            return PreviewState(read_only(moved), read_only(coordinates), tuple(grown))
         finally:
-            if len(enabled) > 1:
-                for one in previewed:
-                    indices = one.state.state.indices
-                    self._points[indices] = self.surface.points[indices]
+            for one in grown if len(numbers) > 1 else ():
+                indices = one.state.state.indices
+                self._points[indices] = self.surface.points[indices]
+
+    def _grown(
+        self,
+        placed: PlacedStent,
+        settings: DeploymentSettings,
+        points: Points | None,
+        dragged: ArrayLike,
+    ) -> PreviewedStent:
+        """A stent that has grown in the sample of the wall."""
+        stent, axis = placed.stent, placed.axis
+        chain = settings.chain(axis.line, axis.profile)
+        state = self._proxy.deployed(
+            chain, stent.widest_diameter / 2, settings, points=points, companions=dragged
+        )
+        return PreviewedStent(placed.number, stent, axis, state, row=placed.row)
 
     def _moved(self, previewed: Sequence[PreviewedStent]) -> tuple[Indices, Points]:
         """Points that some stents have moved, and where they are, mm."""

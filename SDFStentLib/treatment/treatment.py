@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, zip_longest
@@ -28,7 +28,7 @@ from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
 from .branches import covered_by_all
 from .coarseness import coarse_mesh, too_coarse
-from .placer import Placer
+from .placer import Course, Placer
 from .profile import Stage, named_states
 from .straightening import AxisChange
 from .surroundings import (
@@ -130,39 +130,39 @@ class Treatment:
         self._result: TreatmentResult | None = None
         self._stages: list[Stage] = []
         self._seconds = {"setup": 0.0, "deploy": 0.0}
+        self._clock = perf_counter()
 
     def __iter__(self) -> Iterator[TreatmentState]:
         """Yield the states of every stent in turn."""
         self._begin()
-        surface, centerline, companions = self.surface, self.centerline, self.companions
-        placed = {self._first.number: self._first}
-        for done, (number, _planned) in enumerate(self._enabled):
-            start = perf_counter()
-            if done:
-                placed[number] = self._placer.placed(number, placed, centerline, surface)
-            stent, axis = placed[number].stent, placed[number].axis
-            is_only = len(self._enabled) == 1
-            tree = np.empty((0, 3)) if centerline is None else centerline.points
-            deployment = Deployment(
-                surface,
-                self.settings.chain(axis.line, axis.profile),
-                stent.widest_diameter / 2,
-                self.settings.with_changes(certify=self.settings.certify and is_only),
-                companions=np.concatenate([tree, companions]),
-                precision=self.precision,
-            )
-            ready = perf_counter()
-            for state in named_states(deployment, self.label(number)):
-                fraction = (done + state.fraction) / len(self._enabled)
-                yield TreatmentState(number, fraction, state, surface, axis)
-            self._seconds["setup"] += ready - start
-            self._seconds["deploy"] += perf_counter() - ready
-            self._stages.append(Stage(placed[number], centerline, deployment))
-            result = deployment.result
-            surface = result.surface
-            moved_tree, companions = np.split(result.state.companions, [len(tree)])
-            centerline = None if centerline is None else centerline.with_points(moved_tree)
-        self._final = (surface, centerline, companions)
+        numbers = [number for number, _stent in self._enabled]
+        course = Course(self.surface, self.centerline, self.companions)
+        known = {self._first.number: self._first}
+        self._final = yield from self._placer.in_turn(numbers, course, self._grown, known)
+
+    def _grown(
+        self, placed: PlacedStent, course: Course
+    ) -> Generator[TreatmentState, None, Course]:
+        """Deploy a stent; what it takes to place it counts as its setup."""
+        surface, axis, count = as_surface(course.vessel), placed.axis, len(self._enabled)
+        deployment = Deployment(
+            surface,
+            self.settings.chain(axis.line, axis.profile),
+            placed.stent.widest_diameter / 2,
+            self.settings.with_changes(certify=self.settings.certify and count == 1),
+            companions=course.dragged,
+            precision=self.precision,
+        )
+        ready = perf_counter()
+        for state in named_states(deployment, self.label(placed.number)):
+            fraction = (len(self._stages) + state.fraction) / count
+            yield TreatmentState(placed.number, fraction, state, surface, axis)
+        self._stages.append(Stage(placed, course.centerline, deployment))
+        self._seconds["setup"] += ready - self._clock
+        self._clock = perf_counter()
+        self._seconds["deploy"] += self._clock - ready
+        result = deployment.result
+        return course.after(result.surface, result.state.companions)
 
     @property
     def result(self) -> TreatmentResult:
@@ -184,8 +184,8 @@ class Treatment:
         return Placer(self.surface, self.stents, change, self.rows)
 
     def _measured(self) -> TreatmentResult:
-        after, centerline, companions = self._final
-        clock = perf_counter()
+        vessel, centerline, companions = self._final
+        after, clock = as_surface(vessel), perf_counter()
         treated = self._all_treated(after)
         measured = perf_counter()
         indices = np.flatnonzero((after.points != self.surface.points).any(axis=1))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -162,20 +161,6 @@ class Vessel:
         """Its channels, to be told of treated vessels; it needs a centerline."""
         assert self.centerline is not None
         return FollowedChannels(self.surface, self.centerline, self.channels)
-
-    def unmeasured(self) -> Vessel:
-        """The same vessel with its lesions and names, and nothing known of its lumen.
-
-        What is measured along an axis is remembered with the surface. Stations that are measured
-        together differ from those that are measured apart by about 1e-8 mm: results that shall
-        not depend on earlier ones by a single bit begin with this. Errors as of `lesions`.
-        """
-        surface = self.surface.with_points(self.surface.points)
-        vessel = copy(self)
-        # Lesions are looked for here, once for all that are made of this one.
-        vars(vessel).update(surface=surface, lesions=self.lesions)
-        vars(vessel).pop("with_islands", None)
-        return vessel
 
     def seeds(self, inlet: Points | None = None, outlets: Sequence[Points] = ()) -> LineSeeds:
         """`line_seeds` of its wall, to extract a centerline."""
