@@ -253,6 +253,15 @@ TEMPLATES = {
     ),
     # The picture
     "picture-missing": "{reason}",
+    # Files
+    "cut-off": (
+        "A run that was to write {names} here has not ended: it is still writing, or was cut off, "
+        "and files here may be of different runs; carry it out again."
+    ),
+    "of-another-run": (
+        "{name} is not the one that was written with {report}: a run was cut off, or one of them "
+        "was changed since; carry the plan out again."
+    ),
 }
 """The sentence of each kind: its numbers by name, `x`, `y`, `z` of its place, `thing` for what was
 placed, and the remedies, which are empty where who reads has none."""

@@ -1,30 +1,29 @@
-"""A set of outputs changes together, wherever its run is killed; the next run cleans up."""
+"""A run that is killed leaves files that are whole, and what is of two runs is told."""
 
 from __future__ import annotations
 
-import contextlib
+import hashlib
 import json
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
-from child_processes import PROJECT, python
+from child_processes import PROJECT, installed, python
+from tube_files import PLACE, write_tube
 
-from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.files import output_set
-from SDFStentLib.validation import InputError
-
-pytest.importorskip("fcntl", reason="what killed runs leave is swept where files can be locked")
+from SDFStentLib.report import output_facts
 
 WRITER = """
 import os, sys
 from pathlib import Path
-from SDFStentLib.files import output_set
 from SDFStentLib.cli.outputs import Outputs
-folder, at = Path(sys.argv[1]), int(sys.argv[2])
+from SDFStentLib.report import document_json, output_list
+folder, at, text = Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
 calls = 0
 def dying(function):
     def call(*arguments, **named):
@@ -39,9 +38,14 @@ for name in ("replace", "link", "unlink", "rmdir", "mkdir", "open", "write", "ch
 outputs = Outputs()
 def steps(path):
     path.mkdir()
-    (path / "step_0000.vtp").write_text("new", encoding="utf-8")
+    (path / "step_0000.vtp").write_text(text, encoding="utf-8")
 def new(path):
-    path.write_text("new", encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
+def report(path):
+    files = output_list(outputs.beside(folder / "b" / "report.json"))
+    document = {"schema": "sdfstent-report", "run": text, "outputs": files}
+    path.write_text(document_json(document), encoding="utf-8")
+outputs.add(folder / "b" / "report.json", report, is_last=True)
 outputs.add(folder / "a" / "one.vtp", new)
 outputs.add(folder / "b" / "two.vtp", new)
 outputs.add(folder / "b" / "gone.png", lambda path: None, may_be_missing=True)
@@ -52,6 +56,7 @@ print(calls)
 FORKING = """
 import json, os, sys
 from SDFStentLib.cli.outputs import Outputs
+from SDFStentLib.report import document_json, output_list
 program = sys.argv[1]
 for line in sys.stdin:
     child = os.fork()
@@ -62,8 +67,7 @@ for line in sys.stdin:
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 """
 """The exit code of the program that is the first argument, for every line of its arguments."""
-OLD = {"a/one.vtp": "old", "b/two.vtp": "old", "b/gone.png": "old", "b/steps/step_0000.vtp": "old"}
-NEW = {"a/one.vtp": "new", "b/two.vtp": "new", "b/steps/step_0000.vtp": "new"}
+FILES = ("a/one.vtp", "b/two.vtp", "b/steps/step_0000.vtp")
 
 
 def everything_in(folder):
@@ -74,14 +78,32 @@ def everything_in(folder):
     }
 
 
-def prepare(folder):
-    for name, text in OLD.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
+def in_place(folder):
+    """The same without what is staged."""
+    found = everything_in(folder)
+    return {name: text for name, text in found.items() if ".sdfstent-" not in name}
 
 
-def run(folder, at, program=WRITER):
-    return python(program, folder, at)
+def run(folder, at, text="new"):
+    return python(WRITER, folder, at, text)
+
+
+@pytest.fixture(scope="module")
+def old(tmp_path_factory):
+    """The files of an earlier run, which are a day old."""
+    folder = tmp_path_factory.mktemp("old") / "old"
+    for name in ("a", "b"):
+        (folder / name).mkdir(parents=True)
+    assert run(folder, -1, "old").returncode == 0
+    (folder / "b" / "gone.png").write_text("old", encoding="utf-8")
+    age(folder, 86400)
+    return folder
+
+
+def age(folder, seconds):
+    when = time.time() - seconds
+    for path in (*folder.rglob("*"), folder):
+        os.utime(path, (when, when))
 
 
 @pytest.fixture
@@ -93,191 +115,95 @@ def forked():
     ) as process:  # fmt: skip
 
         def run(folder, at):
-            print(json.dumps([str(folder), str(at)]), file=process.stdin, flush=True)
+            print(json.dumps([str(folder), str(at), "new"]), file=process.stdin, flush=True)
             return int(process.stdout.readline())
 
         yield run
         process.stdin.close()
 
 
-def next_run(folder):
-    outputs = Outputs()
-    for name in ("a", "b"):
-        outputs.add(
-            folder / name / "other.txt",
-            lambda path: path.write_text("x", encoding="utf-8") and None,
-        )
-    outputs.write()
-    for name in ("a", "b"):
-        (folder / name / "other.txt").unlink()
+def runs_in(folder):
+    """By which runs the files in a folder are, a report and what is missing apart."""
+    found = in_place(folder)
+    texts = {found.get(name, "") for name in FILES}
+    report = json.loads(found["b/report.json"])["run"]
+    return texts, report, "b/gone.png" in found
 
 
-def test_a_kill_at_any_call_leaves_all_old_or_all_new_after_the_next_run(tmp_path, forked):
-    prepare(tmp_path / "whole")
+def is_told(folder):
+    """Whether `check` tells of two runs: of the report, or by what is left in a folder."""
+    report = output_facts(folder / "b" / "report.json")
+    return not report.value("passed") or bool(report.value("warnings"))
+
+
+def test_a_kill_at_any_call_leaves_whole_files_and_a_mix_is_told(old, tmp_path, forked):
+    shutil.copytree(old, tmp_path / "whole")
     done = run(tmp_path / "whole", -1)
-    assert everything_in(tmp_path / "whole") == NEW, done.stderr
+    assert done.returncode == 0, done.stderr
+    assert runs_in(tmp_path / "whole") == ({"new"}, "new", False)
+    assert not is_told(tmp_path / "whole")
     seen = set()
     for at in range(1, int(done.stdout) + 1):
         folder = tmp_path / str(at)
-        prepare(folder)
+        shutil.copytree(old, folder)
         assert forked(folder, at) == -signal.SIGKILL
-        next_run(folder)
-        found = everything_in(folder)
-        assert found in (OLD, NEW), at
-        assert not list(folder.rglob(".sdfstent-*")), at
-        seen.add(found == NEW)
-    assert seen == {True, False}
+        texts, report, is_there = runs_in(folder)
+        assert texts <= {"old", "new", ""}  # each is whole; one that is replaced may be away
+        is_mixed = texts != {report} or is_there != (report == "old")
+        assert is_told(folder) or not is_mixed, (at, texts, report)
+        seen.add("mixed" if is_mixed else report)
+        seen.add("away" if "" in texts else report)
+        assert_nothing_is_lost(folder)
+    assert seen == {"old", "mixed", "new", "away"}
 
 
-def staged(folder):
-    """New files for `OLD`'s two folders, ready to be moved there."""
-    sets = {}
+def assert_nothing_is_lost(folder):
+    """A folder is away while it is replaced: the next run, an hour later, puts it back."""
+    before = set(in_place(folder))
+    age(folder, 7200)
     for name in ("a", "b"):
-        staging = output_set.StagingFolder(folder / name)
-        for path in NEW:
-            if path.startswith(f"{name}/"):
-                new = staging.staged(path[2:])
-                new.parent.mkdir(exist_ok=True)
-                new.write_text("new", encoding="utf-8")
-        sets[staging] = {path.split("/")[1] for path in OLD if path.startswith(f"{name}/")}
-    return sets
+        output_set.sweep(folder / name)
+    after = set(everything_in(folder))
+    assert before | set(FILES) <= after
+    assert not list(folder.rglob(".sdfstent-*"))
 
 
-def failing(monkeypatch, at, error):
-    """Let the `at`th move of an output, to its place or aside, fail; a move back does not."""
-    replace, calls = os.replace, []
-
-    def moved(source, target):
-        if os.path.basename(source) not in ("moves.json.part", "committed.part"):
-            calls.append(source)
-        if len(calls) == at and source == calls[-1]:
-            raise error
-        replace(source, target)
-
-    monkeypatch.setattr(output_set.os, "replace", moved)
+def test_after_a_kill_the_same_run_makes_everything_new_and_nothing_is_told(old, tmp_path, forked):
+    calls = int(run(shutil.copytree(old, tmp_path / "whole"), -1).stdout)
+    for at in range(calls // 2, calls, 6):
+        folder = shutil.copytree(old, tmp_path / str(at))
+        assert forked(folder, at) == -signal.SIGKILL
+        time.sleep(0.02)  # the clock of the file system ticks
+        assert run(folder, -1).returncode == 0
+        assert runs_in(folder) == ({"new"}, "new", False)
+        assert not is_told(folder), at
 
 
-@pytest.mark.parametrize("at", range(1, 6))
-def test_what_dies_before_it_has_taken_back_is_taken_back_by_the_next_run(
-    tmp_path, monkeypatch, at
-):
-    prepare(tmp_path)
-    sets = staged(tmp_path)
-    failing(monkeypatch, at, OSError(28, "No space left on device"))
-    with monkeypatch.context() as dying:
-        dying.setattr(output_set, "_take_back", lambda path: None)
-        with pytest.raises(InputError):
-            output_set.commit(sets)
-    for staging in sets:
-        os.close(staging._lock)  # as the system does with a dead process
-    next_run(tmp_path)
-    assert everything_in(tmp_path) == OLD
-
-
-def test_the_staging_folder_of_a_living_run_is_left_alone(tmp_path):
+def test_a_run_that_is_writing_is_left_alone(tmp_path):
     living = output_set.StagingFolder(tmp_path)
+    living.staged("one.vtp").write_text("new", encoding="utf-8")
     output_set.sweep(tmp_path)
     assert living.path.is_dir()
+    assert output_set.unfinished(tmp_path) == ["one.vtp"]
     living.remove()
-    assert not any(tmp_path.iterdir())
+    assert output_set.unfinished(tmp_path) == []
 
 
-def foreign(
-    folder, name, *, moves, listed=False, first=None, links=(), is_own=False, committed=True
-):
-    """A staging folder as if a run had left it; `is_own`: as if that run had been here."""
-    path = folder / name
-    for part in ("new", "old"):
-        if part in links:
-            path.mkdir(parents=True, exist_ok=True)
-            (path / part).symlink_to(folder.parent / "elsewhere")
-        else:
-            (path / part).mkdir(parents=True)
-    for move in moves if committed else ():
-        with contextlib.suppress(OSError):
-            (path / "new" / move).write_text("from elsewhere", encoding="utf-8")
-    said = {"first": str(first or path), "moves": moves if listed else dict.fromkeys(moves, True)}
-    (path / "moves.json").write_text(json.dumps(said), encoding="utf-8")
-    if committed:
-        (path / "committed").write_text(json.dumps([str(path)]), encoding="utf-8")
-    (path / "lock").touch()
-    if is_own:
-        numbers = [path.stat().st_ino, (path / "lock").stat().st_ino]
-        (path / "lock").write_text(json.dumps(numbers), encoding="utf-8")
-    return path
-
-
-def victims(folder):
-    """What lies in a folder and beside it, but for the staging folders."""
-    names = ("victim.txt", "elsewhere/victim.txt", "results/victim.txt", "results/kept.csv")
-    for name in names:
-        (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_text("mine", encoding="utf-8")
-    return lambda: {name: (folder / name).read_text(encoding="utf-8") for name in names}
-
-
-FOREIGN = {
-    "a path, as in the report": {"moves": ["../victim.txt"]},
-    "an absolute path": {"moves": ["{root}/victim.txt"]},
-    "a name here": {"moves": ["victim.txt"]},
-    "a path, with numbers that fit": {"moves": ["../victim.txt"], "is_own": True},
-    "an absolute path, with numbers that fit": {"moves": ["{root}/victim.txt"], "is_own": True},
-    "the folder above": {"moves": [".."], "is_own": True},
-    "the folder itself": {"moves": [""], "is_own": True},
-    "a list of names": {"moves": ["victim.txt"], "is_own": True, "listed": True},
-    "new files that lie elsewhere": {"moves": ["victim.txt"], "links": ["new"], "is_own": True},
-    "old files that go elsewhere": {"moves": ["victim.txt"], "links": ["old"], "is_own": True},
-    "taking back": {"moves": ["victim.txt"], "committed": False},
-    "taking back from elsewhere": {
-        **{"moves": ["victim.txt"], "links": ["old"], "is_own": True, "committed": False}
-    },
-}
-
-
-def test_the_command_obeys_no_folder_from_elsewhere(a_folder, shell):
-    """All of them at once, and one that names another folder as its first."""
-    results = a_folder / "results"
-    made = [
-        foreign(
-            results,
-            f".sdfstent-{number}",
-            **{**one, "moves": [name.format(root=a_folder) for name in one["moves"]]},
-        )
-        for number, one in enumerate(FOREIGN.values())
-    ]
-    foreign(results, ".sdfstent-first", moves=["victim.txt"], first=made[0], committed=False)
-    found = victims(a_folder)
-    before = found()
-    words = ["measure", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
-    done = shell(*words, "--csv", "results/l.csv", folder=a_folder)
-    assert done.returncode == 0, done.stderr
-    assert (results / "l.csv").is_file()
-    assert found() == before
-
-
-def test_what_a_killed_run_left_is_not_obeyed_where_it_was_copied_to(tmp_path, forked):
-    prepare(tmp_path / "here")
-    calls = int(run(tmp_path / "here", -1).stdout)
-    prepare(tmp_path / "here")
-    # Ends: some call comes after the commit point and before the last move.
-    next(at for at in range(calls, 0, -1) if is_half_moved(forked, tmp_path / "here", at))
-    copied = shutil.copytree(tmp_path / "here", tmp_path / "there", symlinks=True)
-    before = everything_in(copied)
-    next_run(copied)
-    assert everything_in(copied) == before
-    next_run(tmp_path / "here")
-    assert everything_in(tmp_path / "here") == NEW
-
-
-def is_half_moved(forked, folder, at):
-    """Kill a run at a call; whether it was amidst its moves. Else all is old again."""
-    forked(folder, at)
-    if list(folder.glob("*/.sdfstent-*/committed")) and (folder / "b" / "gone.png").exists():
-        return True
-    next_run(folder)
-    shutil.rmtree(folder)
-    prepare(folder)
-    return False
+@pytest.mark.parametrize("link", ["new", "old", ""])
+def test_a_staging_folder_that_leads_elsewhere_is_left_alone(tmp_path, link):
+    elsewhere, here = tmp_path / "elsewhere", tmp_path / "here"
+    for path in (elsewhere, here / ".sdfstent-x" / "new", here / ".sdfstent-x" / "old"):
+        path.mkdir(parents=True)
+    (elsewhere / "victim.txt").write_text("mine", encoding="utf-8")
+    made = here / ".sdfstent-x" / link
+    shutil.rmtree(made)
+    made.symlink_to(elsewhere)
+    age(here, 7200)
+    os.utime(elsewhere, (0, 0))
+    output_set.sweep(here)
+    assert everything_in(elsewhere) == {"victim.txt": "mine"}
+    assert not (here / "victim.txt").exists()
+    assert output_set.unfinished(here) == []
 
 
 @pytest.mark.parametrize(
@@ -292,67 +218,64 @@ def test_an_old_file_is_swept_only_if_it_is_the_beginning_of_an_output(tmp_path,
     assert (tmp_path / name).exists() == stays
 
 
-WINDOWS = """
-import fcntl, os, subprocess, sys, types
-system, unlink = types.ModuleType("msvcrt"), os.unlink
-system.LK_LOCK, system.LK_NBLCK = 1, 2
-def locking(descriptor, mode, count):
-    assert count == 1 and os.lseek(descriptor, 0, os.SEEK_CUR) == 0
-    fcntl.flock(descriptor, fcntl.LOCK_EX | (fcntl.LOCK_NB if mode == 2 else 0))
-system.locking = locking
-def of_closed_files(path, *, dir_fd=None):
-    found = os.stat(path, dir_fd=dir_fd, follow_symlinks=False)
-    for number in os.listdir("/proc/self/fd"):
-        try:
-            held = os.fstat(int(number))
-        except OSError:
-            continue
-        if (held.st_dev, held.st_ino) == (found.st_dev, found.st_ino):
-            raise PermissionError(13, "it is open in this process", path)
-    unlink(path, dir_fd=dir_fd)
-os.unlink = of_closed_files
-sys.modules["fcntl"], sys.modules["msvcrt"] = None, system
-"""
-"""Locks and open files as the documentation of Windows has them, on top of those that are here."""
-
-SWEEPING = """
-from pathlib import Path
-from SDFStentLib.files.output_set import StagingFolder, sweep
-folder = Path(sys.argv[1])
-living = StagingFolder(folder / "a")
-sweep(folder / "a")
-sweep(folder / "b")
-assert living.path.is_dir()
-living.remove()
-"""
-
-
-@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="the stand-in asks what is open")
-def test_with_the_locks_of_windows_the_dead_are_told_from_the_living(tmp_path):
-    """A stand-in of what is documented: this was not run on Windows."""
-    prepare(tmp_path / "whole")
-    calls = int(run(tmp_path / "whole", -1, WINDOWS + WRITER).stdout)
-    seen = set()
-    for at in (calls // 3, calls - 6):
-        folder = tmp_path / str(at)
-        prepare(folder)
-        assert run(folder, at, WINDOWS + WRITER).returncode == -signal.SIGKILL
-        assert list(folder.rglob(".sdfstent-*"))
-        swept = run(folder, 0, WINDOWS + SWEEPING)
-        assert swept.returncode == 0, swept.stderr
-        found = everything_in(folder)
-        assert found in (OLD, NEW), at
-        assert not list(folder.rglob(".sdfstent-*")), at
-        seen.add(found == NEW)
-    assert seen == {True, False}
-
-
 def test_what_is_not_ours_is_not_swept(tmp_path):
     (tmp_path / ".sdfstent-mine").mkdir()
     (tmp_path / ".sdfstent-mine" / "notes.txt").write_text("x", encoding="utf-8")
     (tmp_path / ".sdfstent-link").symlink_to(tmp_path / ".sdfstent-mine")
+    age(tmp_path, 7200)
     output_set.sweep(tmp_path)
     assert (tmp_path / ".sdfstent-mine" / "notes.txt").read_text(encoding="utf-8") == "x"
+
+
+@pytest.fixture(scope="module")
+def carried_out(tmp_path_factory):
+    """The folder of a plan that was carried out."""
+    folder = tmp_path_factory.mktemp("plan")
+    write_tube(folder)
+    files = ["tube.vtp", "-o", "out.vtp", "--report", "r.json", "--report", "r.html"]
+    lines = ["--centerline", "line.vtp", "--output-centerline", "line_out.vtp", "--units", "cm"]
+    done = installed("deploy", *files, *lines, *PLACE, "--diameter", 6, folder=folder)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_a_report_has_the_hashes_of_what_was_written_with_it(carried_out):
+    document = json.loads((carried_out / "r.json").read_text(encoding="utf-8"))
+    assert {one["file"] for one in document["outputs"]} == {"out.vtp", "line_out.vtp", "r.html"}
+    for one in document["outputs"]:
+        data = (carried_out / one["file"]).read_bytes()
+        assert hashlib.sha256(data).hexdigest() == one["sha256"]
+    done = installed("check", "r.json", folder=carried_out)
+    assert done.returncode == 0
+    assert done.stdout == "r.json: all 3 files are as they were written with it.\n"
+
+
+@pytest.mark.parametrize(("name", "words"), [("out.vtp", "another one"), ("r.html", "missing")])
+def test_check_tells_what_is_not_of_the_same_run(carried_out, tmp_path, name, words):
+    folder = shutil.copytree(carried_out, tmp_path / "copy")
+    (folder / name).unlink()
+    if words == "another one":
+        shutil.copy(folder / "tube.vtp", folder / name)
+    done = installed("check", "r.json", folder=folder)
+    assert done.returncode == 3
+    assert done.stdout.startswith(f"r.json: {name} is {words}: the run was cut off, or ")
+    told = json.loads(installed("check", "r.json", "--json", folder=folder).stdout)
+    states = {one["file"]: one["state"] for one in told["outputs"]}
+    assert (told["passed"], states.pop(name), set(states.values())) == (
+        *(False, words),
+        {"as written"},
+    )
+    of_surface = installed("check", "out.vtp", "--units", "cm", folder=folder)
+    assert of_surface.returncode == 0
+    is_told = "out.vtp is not the one that was written with r.json" in of_surface.stdout
+    assert is_told == (name == "out.vtp")
+
+
+def test_a_report_without_hashes_is_refused(tmp_path):
+    (tmp_path / "r.json").write_text('{"schema": "sdfstent-report"}', encoding="utf-8")
+    done = installed("check", "r.json", folder=tmp_path)
+    assert done.returncode == 2
+    assert "expected a report with the hashes of its outputs" in done.stderr
 
 
 SIGNALLED = """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -16,6 +17,7 @@ from ..report import (
     comparison_page,
     comparison_pictures,
     document_json,
+    output_list,
 )
 from ..validation import InputError
 from .console import Console, tell
@@ -67,8 +69,8 @@ class _Results:
         picture = alternatives_picture(self.comparison.results, hides_device=self.hides_device)
         path.write_bytes(picture)
 
-    def write_json(self, path: Path) -> None:
-        text = document_json(self.document)
+    def write_json(self, path: Path, files: Mapping[str, str]) -> None:
+        text = document_json({**self.document, "outputs": output_list(files)})
         path.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
@@ -104,7 +106,8 @@ def _outputs(options: argparse.Namespace, plans: dict[str, Plan], results: _Resu
     outputs = Outputs(inputs, None if is_page else place)
     outputs.add(place if is_page else place / "comparison.html", results.write_page)
     if not is_page:
-        outputs.add(place / "comparison.json", results.write_json)
+        path = place / "comparison.json"
+        outputs.add(path, lambda made: results.write_json(made, outputs.beside(path)), is_last=True)
     if options.picture:
         check_suffix(options.picture, "a picture", (".png",))
         outputs.add(options.picture, results.write_picture)

@@ -109,9 +109,13 @@ def _add_results(outputs: Outputs, folder: Path, result: PlanResult) -> list[Cau
     outputs.add(folder / "surface_stented.vtp", lambda path: result.write_surface(path))
     outputs.add(folder / "centerline_stented.vtp", lambda path: result.write_centerline(path))
     outputs.add(folder / "plan.json", lambda path: save_plan(result.plan, path, relative_to=folder))
-    for name in ("report.json", "report.html"):
-        outputs.add(folder / name, lambda path: write_report(report, path))
+    outputs.add(folder / "report.html", lambda path: write_report(report, path))
     outputs.add(folder / "before_after.png", _writing(picture), may_be_missing=True)
+
+    def write_document(path: Path) -> None:
+        write_report(report.with_outputs(outputs.beside(folder / path.name)), path)
+
+    outputs.add(folder / "report.json", write_document, is_last=True)
     return missing
 
 

@@ -72,7 +72,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
         outputs.add(options.output_centerline, job.write_centerline)
     for path in options.report:
         check_suffix(path, "a report", (".json", ".html"))
-        outputs.add(path, job.write_report)
+        job.add_report(path)
     if options.save_plan:
         outputs.add(options.save_plan, lambda path: job.write_plan(path, options.save_plan))
     job.add_common()
@@ -113,7 +113,7 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
         suffix = suffix if suffix.lower() in LINE_SUFFIXES else LINE_SUFFIXES[0]
         outputs.add(folder / f"{stem}_stented{suffix}", job.write_centerline)
     for name in ("report.json", "report.html"):
-        outputs.add(folder / name, job.write_report)
+        job.add_report(folder / name)
     if os.path.realpath(folder / "plan.json") != os.path.realpath(options.plan):
         outputs.add(folder / "plan.json", lambda path: job.write_plan(path, folder / "plan.json"))
     job.add_common()
@@ -200,13 +200,19 @@ class _PlanJob:
         """Write the moved centerline."""
         return self._result.write_centerline(path)
 
-    def write_report(self, path: Path) -> Sequence[Caution]:
+    def add_report(self, path: str | os.PathLike[str]) -> None:
+        """Add a report; the document comes last, with the hashes of all other files."""
+        is_last = Path(path).suffix.lower() == ".json"
+        self.outputs.add(path, lambda made: self._write_report(made, path), is_last=is_last)
+
+    def _write_report(self, path: Path, final: str | os.PathLike[str]) -> Sequence[Caution]:
         """Write JSON or HTML; a page without its picture is better than none."""
-        picture = None if path.suffix.lower() == ".json" else self.picture
+        if path.suffix.lower() == ".json":
+            write_report(self._report().with_outputs(self.outputs.beside(final)), path)
+            return []
+        picture = self.picture
         write_report(self._report(picture), path)
-        if isinstance(picture, str):
-            return [Caution("picture-missing", {"reason": picture})]
-        return []
+        return [Caution("picture-missing", {"reason": picture})] if isinstance(picture, str) else []
 
     def write_figure(self, path: Path) -> None:
         """Write the figure of the diameters along the stents."""

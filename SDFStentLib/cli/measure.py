@@ -22,6 +22,7 @@ from ..report import (
     lesions_by_size,
     lesions_csv,
     line_facts,
+    output_facts,
 )
 from ..stent import Stent, stent_axis
 from ..validation import InputError, as_number, one_line
@@ -86,15 +87,22 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def check_command(options: argparse.Namespace, _console: Console) -> int:
-    """Report whether a surface is sound; return 3 if it is not."""
-    inputs = read_input_files(options.surface, units=options.units)
-    check = inputs.vessel.check(inputs.surface.precision)
-    facts = check_facts(inputs.surface, check)
+    """Report whether a surface is sound, or a report fits its files; return 3 if not."""
+    if options.surface.lower().endswith(".json"):
+        facts = output_facts(Path(options.surface))
+    else:
+        facts = _surface_checked(options)
     if options.json:
         print(document_json(facts.as_dict()), end="")
     elif not options.quiet:
         print(*map(one_line, facts.sentences), sep="\n")
-    return 0 if check.passed else NOT_SOUND
+    return 0 if facts.value("passed") else NOT_SOUND
+
+
+def _surface_checked(options: argparse.Namespace) -> Facts:
+    inputs = read_input_files(options.surface, units=options.units)
+    check = inputs.vessel.check(inputs.surface.precision)
+    return check_facts(inputs.surface, check)
 
 
 def _lines(

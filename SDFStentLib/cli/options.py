@@ -216,7 +216,10 @@ def _suggest(command: argparse.ArgumentParser) -> None:
 
 
 def _check(command: argparse.ArgumentParser) -> None:
-    command.description = "Topology and self-intersections of a surface."
+    command.description = (
+        "Topology and self-intersections of a surface, and whether it is of one run with the "
+        "reports beside it. Of a report (.json), whether its files are those written with it."
+    )
     add_table(command, SURFACE + UNITS + JSON + TALK)
 
 

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,14 +25,15 @@ class _OutputJob(NamedTuple):
     write: Writer
     may_be_missing: bool = False
     is_folder: bool = False
+    is_last: bool = False
 
 
 class Outputs:
     """Files and folders that a command writes, checked at once and written at the end.
 
     Everything is first written beside its place, and moved there when all of it is done: a failure
-    or an interruption leaves either no output or all of them. Remains of killed runs in the folders
-    of the outputs are finished or undone first.
+    or an interruption leaves either no output or all of them. A run that is killed amidst the moves
+    leaves some new and some old, which `sdfstent check` tells.
 
     Parameters
     ----------
@@ -49,19 +51,26 @@ class Outputs:
         self._inputs = {os.path.realpath(path) for path in inputs if path is not None}
         self._folder = None if folder is None else _check_folder(folder)
         self._jobs: list[_OutputJob] = []
+        self._written: dict[Path, str] = {}  # by what is hashed for those that come last
 
     def add(
-        self, path: str | os.PathLike[str], write: Writer, *, may_be_missing: bool = False
+        self,
+        path: str | os.PathLike[str],
+        write: Writer,
+        *,
+        may_be_missing: bool = False,
+        is_last: bool = False,
     ) -> None:
         """Add a file; `InputError` if it cannot be written, is an input, or is named twice.
 
-        If it `may_be_missing`, its writer may leave it out; an older file is then removed.
+        If it `may_be_missing`, its writer may leave it out; an older file is then removed. What
+        `is_last` is written and moved behind all others.
         """
         target = Path(os.path.realpath(path))
         sweep(target.parent)
         if self._folder is None or target.parent != self._folder or self._folder.is_dir():
             target = check_writable(path)
-        self._add(_OutputJob(os.fspath(path), target, write, may_be_missing))
+        self._add(_OutputJob(os.fspath(path), target, write, may_be_missing, is_last=is_last))
 
     def add_folder(
         self, path: str | os.PathLike[str], write: Writer, own: Callable[[str], bool]
@@ -87,6 +96,14 @@ class Outputs:
         """The outputs, as the user named them."""
         return [job.path for job in self._jobs]
 
+    def beside(self, path: str | os.PathLike[str]) -> dict[str, str]:
+        """The files that were written so far, as seen from the folder of one, and their SHA-256."""
+        folder = os.path.dirname(os.path.realpath(path))
+        return {
+            Path(os.path.relpath(target, folder)).as_posix(): found
+            for target, found in self._written.items()
+        }
+
     def write(self) -> list[Caution]:
         """Write everything; return cautions about what was not kept, under the final names.
 
@@ -98,17 +115,21 @@ class Outputs:
         lost: list[Caution] = []
         with self._made_folder(), ExitStack() as stack:
             folders: dict[Path, StagingFolder] = {}
-            names: dict[StagingFolder, list[str]] = {}
-            for job in self._jobs:
-                parent = job.target.parent
+            moves: list[tuple[StagingFolder, str]] = []
+            is_told = any(job.is_last for job in self._jobs)
+            for job in sorted(self._jobs, key=lambda job: job.is_last):
+                parent, name = job.target.parent, job.target.name
                 if parent not in folders:
                     folders[parent] = stack.enter_context(_staging(parent))
-                names.setdefault(folders[parent], []).append(job.target.name)
-                lost += _written(job, folders[parent].staged(job.target.name))
+                staged = folders[parent].staged(name)
+                lost += _written(job, staged)
+                if is_told and staged.is_file() and not job.is_last:
+                    self._written[job.target] = sha256(staged.read_bytes()).hexdigest()
+                moves.append((folders[parent], name))
             check_interrupted()
             with uninterrupted():
                 try:
-                    commit(names)
+                    commit(moves)
                 except OSError as error:
                     raise cannot_write(next(iter(folders)), error) from error
                 uninterrupted_from_now()

@@ -22,8 +22,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from ..files import cannot_write, flush_to_disk, lock, write_bytes
+from ..files import cannot_write, flush_to_disk, write_bytes
 from ..validation import DeploymentError, InputError
+from .lock import lock
 
 CASE, TIMES, REPORT = "case.json", "times.json", "report.json.gz"
 SURFACES = {"vtp": "surface.vtp", "moved": "moved.npz"}

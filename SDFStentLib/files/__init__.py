@@ -31,8 +31,8 @@ from .model_faces import faces_of_polydata as faces_of_polydata
 from .model_faces import set_face_names as set_face_names
 from .output_set import StagingFolder as StagingFolder
 from .output_set import commit as commit
-from .output_set import lock as lock
 from .output_set import sweep as sweep
+from .output_set import unfinished as unfinished
 from .parallel import read_with_pieces as read_with_pieces
 from .polydata import add_arrays as add_arrays
 from .polydata import inscribed_radius_from_polydata as inscribed_radius_from_polydata

@@ -2,6 +2,8 @@
 
 from .changes import check_facts as check_facts
 from .changes import file_facts as file_facts
+from .changes import output_facts as output_facts
+from .changes import output_list as output_list
 from .comparison import comparison_document as comparison_document
 from .comparison import comparison_page as comparison_page
 from .comparison import comparison_pictures as comparison_pictures

@@ -3,18 +3,22 @@ result was made of them, and what became of the triangles."""
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator, Mapping
+from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..cautions import Caution
 from ..certificate import SurfaceCheck
-from ..files import SurfaceFile
+from ..files import SurfaceFile, unfinished
 from ..geometry import NamedFaces
 from ..lumen import triangle_sizes
 from ..plan import PlanResult, method_parameters
-from ..validation import Floats, Indices
+from ..validation import Floats, Indices, InputError
 from .facts import LINES, Fact, Facts
 from .words import UNKNOWN, number_text, plain_label, plain_text, point_words
 
@@ -180,14 +184,18 @@ def file_facts(surface: SurfaceFile) -> Facts:
     )
 
 
+AS_WRITTEN = "as written"
+
+
 def check_facts(surface: SurfaceFile, check: SurfaceCheck) -> Facts:
-    """Whether a surface is sound, and what it lacks."""
+    """Whether a surface is sound, what it lacks, and whether it is of one run with what is beside
+    it."""
     found, verdict = check.as_dict(), check.sentence(surface.units)
     size = (
         f"{len(surface.points)} points, {surface.surface.made_of} triangles, "
         f"{found['components']} connected part(s), {found['boundary_edges']} boundary edges."
     )
-    cautions = (*surface.warnings, *check.cautions())
+    cautions = (*surface.warnings, *check.cautions(), *_cautions_beside(surface))
     warnings = [one.sentence(units=surface.units) for one in cautions]
     faults = [
         Fact(words=_numbered(f"{len(found[key])} triangles {words}", found[key]), level=LINES)
@@ -211,3 +219,82 @@ def check_facts(surface: SurfaceFile, check: SurfaceCheck) -> Facts:
 def _numbered(words: str, numbers: list[int]) -> str:
     more = ", ..." if len(numbers) > SHOWN else ""
     return f"{words}: {', '.join(map(str, numbers[:SHOWN]))}{more}"
+
+
+DOCUMENTS = ("sdfstent-report", "sdfstent-comparison")
+"""Schemas of documents that have the hashes of the files that were written with them."""
+
+
+def output_list(files: Mapping[str, str]) -> list[dict[str, str]]:
+    """For a document: files as seen from its folder, and their SHA-256."""
+    return [{"file": name, "sha256": found} for name, found in files.items()]
+
+
+def output_facts(path: Path) -> Facts:
+    """Whether the files of a report, or of a comparison, are those that were written with it.
+
+    Raises
+    ------
+    InputError
+        No such document.
+    """
+    known = _outputs_of(path)
+    if known is None:
+        raise InputError(
+            f"{path}: expected a report with the hashes of its outputs, got another file; name the "
+            "report that was written with them, or a surface."
+        )
+    states = {name: _state(path.parent / name, found) for name, found in known.items()}
+    others = [f"{name} is {state}" for name, state in states.items() if state != AS_WRITTEN]
+    words = f"{path.name}: all {len(states)} files are as they were written with it."
+    if others:
+        words = (
+            f"{path.name}: {'; '.join(others)}: the run was cut off, or something was changed "
+            "since; carry it out again."
+        )
+    warnings = [one.sentence() for one in _cut_off(path)]
+    return Facts(
+        (
+            Fact("file", after=os.fspath(path)),
+            Fact("passed", after=not others),
+            Fact("sentence", after=words, words=words, level=LINES),
+            Fact("outputs", after=[{"file": n, "state": one} for n, one in states.items()]),
+            Fact("warnings", after=warnings),
+            *(Fact(words=f"warning: {one}", level=LINES) for one in warnings),
+        )
+    )
+
+
+def _state(path: Path, known: str) -> str:
+    if not path.is_file():
+        return "missing"
+    return AS_WRITTEN if sha256(path.read_bytes()).hexdigest() == known else "another one"
+
+
+def _outputs_of(path: Path) -> dict[str, str] | None:
+    """The hashes of files in a document, by their names seen from its folder; None without."""
+    try:
+        with path.open("rb") as file:
+            if b"sdfstent-" not in file.read(200):
+                return None
+        found = json.loads(path.read_text(encoding="utf-8"))
+        if found["schema"] in DOCUMENTS and found["outputs"]:
+            return {str(one["file"]): str(one["sha256"]) for one in found["outputs"]}
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    return None
+
+
+def _cautions_beside(surface: SurfaceFile) -> Iterator[Caution]:
+    """Whether a file is of one run with the reports beside it."""
+    path = Path(surface.path)
+    yield from _cut_off(path)
+    for other in sorted(path.parent.glob("*.json")):
+        known = (_outputs_of(other) or {}).get(path.name, surface.sha256)
+        if known != surface.sha256:
+            yield Caution("of-another-run", {"name": path.name, "report": other.name})
+
+
+def _cut_off(path: Path) -> Iterator[Caution]:
+    if names := unfinished(path.parent):
+        yield Caution("cut-off", {"names": ", ".join(names)})

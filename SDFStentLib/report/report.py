@@ -17,7 +17,7 @@ from ..validation import as_path, check_is_a
 from ..version import VERSION
 from ..vessel import SMALLEST_DEGREE
 from .branches import branch_facts, stretch_facts
-from .changes import change_facts, input_facts, setting_facts
+from .changes import change_facts, input_facts, output_list, setting_facts
 from .flow import flow_section
 from .lesions import residual_facts, treated_lesion_facts
 from .stents import stent_facts
@@ -72,6 +72,10 @@ class Report(NamedTuple):
     """By name, as facts and plain values: what there is to tell, in documents and pages."""
     picture: bytes | str | None = None
     """For the page: a PNG, or the sentence that says why there is none."""
+
+    def with_outputs(self, files: Mapping[str, str]) -> Report:
+        """The same with the files that were written, as seen from its folder, and their SHA-256."""
+        return self._replace(sections={**self.sections, "outputs": output_list(files)})
 
     def as_dict(self) -> dict[str, Any]:
         """The document: plain values only, None where a number is not known.
@@ -168,6 +172,7 @@ def plan_report(
         "changes": change_facts(result),
         "timings": {f"{name}_s": taken for name, taken in seconds.items()},
         "definitions": DEFINITIONS,
+        "outputs": [],
     }
     return Report(sections, picture)
 
