@@ -419,3 +419,37 @@ def test_a_callers_executor_that_breaks_ends_in_a_sentence_and_keeps_what_is_who
     manifest = Cohort(there / "out").columns
     assert set(manifest["status"]) <= {"done", "open"}
     assert json.loads((there / "out" / "cohort.json").read_text(encoding="utf-8"))["cases"]
+
+
+WINDOWS = """
+import fcntl, os, sys, types
+system = types.ModuleType("msvcrt")
+system.LK_LOCK, system.LK_NBLCK = 1, 2
+def locking(descriptor, mode, count):
+    assert count == 1 and os.lseek(descriptor, 0, os.SEEK_CUR) == 0
+    fcntl.flock(descriptor, fcntl.LOCK_EX | (fcntl.LOCK_NB if mode == 2 else 0))
+system.locking = locking
+sys.modules["fcntl"], sys.modules["msvcrt"] = None, system
+"""
+"""The locks of Windows as its documentation has them: this was not run there."""
+
+HELD = """
+from SDFStentLib.cohort.store import Store
+from SDFStentLib.validation import InputError
+store = Store(sys.argv[1])
+with store.locked():
+    assert store.is_running()
+    try:
+        with Store(sys.argv[1]).locked():
+            raise SystemExit(4)
+    except InputError as error:
+        print(error)
+assert not store.is_running()
+"""
+
+
+@pytest.mark.parametrize("system", ["import sys", WINDOWS])
+def test_a_store_has_one_sweep_at_a_time(tmp_path, system):
+    done = python(system + HELD, tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "expected a folder where no sweep is running, another one is" in done.stdout
