@@ -49,7 +49,7 @@ def flipped(points: Points) -> Points:
     return points * (-1.0, -1.0, 1.0)
 
 
-def told_place(place: Place, units: str) -> str:
+def place_text(place: Place, units: str) -> str:
     """A place to a tenth of a millimeter, followed by the same in the file's unit if that is
     another one."""
     return f"{coordinates(place, '.1f')} mm{in_file(place, units)}"

@@ -99,7 +99,7 @@ def vessel(name: str) -> tuple[Surface, Centerline, Precision]:
     return read.surface, line, read.precision
 
 
-class RandomStent(NamedTuple):
+class RandomDeployment(NamedTuple):
     """A stent drawn at random."""
 
     words: str
@@ -108,7 +108,7 @@ class RandomStent(NamedTuple):
     deployment: Deployment
 
 
-def random_deployment(seed: int, number: int) -> RandomStent:
+def random_deployment(seed: int, number: int) -> RandomDeployment:
     """A stent with its options, determined by seed and number alone; `InputError` for some."""
     rng = np.random.default_rng([seed, number])
     surface, line, precision = vessel(ANATOMIES[number % len(ANATOMIES)])
@@ -141,7 +141,7 @@ def random_deployment(seed: int, number: int) -> RandomStent:
     deployment = Deployment(
         surface, chain, stent.widest_diameter / 2, settings, precision=precision
     )
-    return RandomStent(words, axis, deployment)
+    return RandomDeployment(words, axis, deployment)
 
 
 def _shape(kind: str, rng: np.random.Generator, radius: float, length: float) -> dict[str, Any]:

@@ -37,7 +37,14 @@ from SDFStentLib.flow import (
 )
 from SDFStentLib.flow.blocks import Method, Stream, blocks_of, turns_of
 from SDFStentLib.flow.channels import Channel, Widths, widths_of
-from SDFStentLib.flow.profiles import Way, bends_of, deans_of, layers_of, profile_of, swept_of
+from SDFStentLib.flow.profiles import (
+    ChannelStations,
+    bends_of,
+    deans_of,
+    layers_of,
+    profile_of,
+    swept_of,
+)
 from SDFStentLib.flow.spans import Piece, drop_over
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
@@ -117,7 +124,7 @@ def test_a_bend_costs_what_blood_loses_that_it_sweeps_across(dean, mouth, layer,
     """A bend of 7.8 radii, 26.4 radii long; radius and mean speed are 1."""
     steps = 1000
     reynolds = dean / 0.128**0.5  # by the diameter
-    way = Way([0, steps + 2], [[]], np.r_[1e-9, np.full(steps, 26.4 / steps), 0.0])
+    way = ChannelStations([0, steps + 2], [[]], np.r_[1e-9, np.full(steps, 26.4 / steps), 0.0])
     area, spread = np.full(steps + 2, np.pi), np.full(steps + 2, 2 / (np.pi * reynolds))
     area[0] *= mouth
     bends = np.full(steps + 2, 0.128)

@@ -14,7 +14,7 @@ from SDFStentLib.files.same_space import size_warnings
 from SDFStentLib.geometry import Surface
 from SDFStentLib.report.diameters import filed_point
 from SDFStentLib.stent import AtCenter, Stent, stent_axis
-from SDFStentLib.units import told_place
+from SDFStentLib.units import place_text
 from SDFStentLib.validation import InputError, place_words, plain
 
 ABSURD = re.compile(r"\de[+-]?\d|(?<![\d.])-0(\.0+)?(?![\d.])|nan|\binf\b")
@@ -50,7 +50,7 @@ def test_no_sentence_of_a_caution_has_an_exponent_or_a_signed_zero(kind, value):
 
 def test_places_are_told_without_an_exponent():
     place = np.array([-1e-17, 123456.0, -0.0])
-    for told in (place_words(place), told_place(tuple(place), "m"), filed_point(place, "cm")):
+    for told in (place_words(place), place_text(tuple(place), "m"), filed_point(place, "cm")):
         assert not ABSURD.search(told), told
 
 

@@ -422,7 +422,7 @@ def test_a_callers_executor_that_breaks_ends_in_a_sentence_and_keeps_what_is_who
 
 
 WINDOWS = """
-import fcntl, os, sys, types
+import fcntl, os, subprocess, sys, types
 system = types.ModuleType("msvcrt")
 system.LK_LOCK, system.LK_NBLCK = 1, 2
 def locking(descriptor, mode, count):

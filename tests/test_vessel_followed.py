@@ -11,7 +11,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_lines
 from SDFStentLib.geometry import Line
 from SDFStentLib.stent import AtCenter, AtDistalEnd, AtProximalEnd, BetweenPoints, Stent, stent_axis
-from SDFStentLib.treatment import Spot
+from SDFStentLib.treatment import StentMiddle
 
 HAND = 0.3
 """How far the hand moves a point beside a line, mm."""
@@ -113,7 +113,7 @@ def test_a_stent_that_is_placed_in_a_branch_leads_into_it(tree):
         if end - start < 6:
             continue
         way = Line(tree.points[tree.ancestry(int(points[-1]))])
-        place = Spot(way, float(start) + 0.5, float(start), None)
+        place = StentMiddle(way, float(start) + 0.5, float(start), None)
         placement = place.placement(10.0, tree)
         by_end += isinstance(placement, AtDistalEnd)
         _, distal = ends_of(tree, placement, 10.0 / 0.9)

@@ -74,10 +74,10 @@ def measured(shown):
     for _part in run.measure():
         yield 1.0
     Results.showMeasured(shown.parameterNode, run)
-    yield from told(shown)
+    yield from flow(shown)
 
 
-def told(shown):
+def flow(shown):
     """Pressures and flows of the last deployment, as far as they are known; an iterator as `SDFStentLogic.steps`."""
     run, known = shown.run, Flow.toldFlow(shown.parameterNode)
     if known == run.shownFlow:

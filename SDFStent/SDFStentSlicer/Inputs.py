@@ -16,7 +16,7 @@ from SDFStentLib.files import (
     surface_from_polydata,
     triangulated_polydata,
 )
-from SDFStentLib.lumen import LineEnds, loops_told, with_ends_in_middle
+from SDFStentLib.lumen import LineEnds, loop_cautions, with_ends_in_middle
 from SDFStentLib.stent import OfVessel
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import given_names
@@ -36,7 +36,7 @@ AS_WIDE_AS = 0.75
 """A new stent is as wide as this quantile of the vessel where it lies: no narrowing there makes it too small to touch the wall."""
 
 
-class Vessel(NamedTuple):
+class VesselInput(NamedTuple):
     """A vessel's wall in world coordinates: the library's `Surface`, polydata, its named faces or None, its `Corners` where it is large.
 
     The polydata is shared: copy it before changing it. `remark` is what to know of it, a sentence or "".
@@ -57,11 +57,11 @@ class Inputs:
         self._beside, self._lineEnds = (), None
 
     def vessel(self, parameterNode):
-        """The `Vessel`."""
+        """The `VesselInput`."""
         return untilDone(self.vesselInPortions(parameterNode))
 
     def vesselInPortions(self, parameterNode):
-        """The same in portions of some 15 ms at 550,000 triangles: a generator that yields None and returns the `Vessel`."""
+        """The same in portions of some 15 ms at 550,000 triangles: a generator that yields None and returns the `VesselInput`."""
         node, segmentID = parameterNode.vessel, Conversion.segmentOf(parameterNode)
         stamp = (Conversion.changeStamp(node), segmentID)
         if node is None or stamp != self._vessel[0]:
@@ -77,7 +77,7 @@ class Inputs:
             known = [str(caution) for caution in composition_warnings(surface, node.GetName())]
             remark = "\n".join(filter(None, [size, *known]))
             faces = faces_of_polydata(polyData, surface)
-            self._vessel = (stamp, Vessel(surface, polyData, faces, corners, remark))
+            self._vessel = (stamp, VesselInput(surface, polyData, faces, corners, remark))
         return self._vessel[1]
 
     def centerline(self, parameterNode):
@@ -113,7 +113,7 @@ class Inputs:
                 centerline, moved = yield from inPortions(
                     lambda: with_ends_in_middle(surface, tree)
                 )
-                told = (*told, *map(str, (*moved, *loops_told(centerline))))
+                told = (*told, *map(str, (*moved, *loop_cautions(centerline))))
             points, numbers, _radii = lines
             self._lineEnds = points[[[line[0], line[-1]] for line in numbers if len(line)]]
             self._centerline, self._beside = (stamp, centerline), told

@@ -203,9 +203,9 @@ class SDFStentLogic(
             raise InputError(missing)
         vessel = yield from working(self._inputs.vesselInPortions(parameterNode))
         shown = self._shownOf(parameterNode)
-        told = self._snapping.told(parameterNode)
-        if told or not self.isProposal(parameterNode):
-            parameterNode.status = told
+        reported = self._snapping.reported(parameterNode)
+        if reported or not self.isProposal(parameterNode):
+            parameterNode.status = reported
         if live:
             search = self.lesionSearch(parameterNode)
             yield from self._previewing.steps(shown, signature, vessel, self._inputs, search)
@@ -221,7 +221,7 @@ class SDFStentLogic(
 
     def tellFlow(self, parameterNode):
         """Tell the numbers of the last deployment for the flow that is set; an iterator as `steps`."""
-        yield from Deploying.told(self._shownOf(parameterNode))
+        yield from Deploying.flow(self._shownOf(parameterNode))
 
     def landmarks(self, parameterNode):
         """The library's `Landmarks` of the vessel; None before its lesions were searched, or where it has none."""

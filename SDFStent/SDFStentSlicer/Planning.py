@@ -278,7 +278,7 @@ class Planning:
         if stents and parameterNode.centerline is not None and not self.missing(parameterNode):
             surface = self._inputs.vessel(parameterNode).surface
             self._snapping.snap(stents[0], self._inputs.centerline(parameterNode), surface)
-            parameterNode.status = self._snapping.told(parameterNode)
+            parameterNode.status = self._snapping.reported(parameterNode)
 
     def takePlaced(self, parameterNode, handle, index, ray):
         """Bring a point that the user has placed where it belongs: of a drawn axis to the middle of the lumen seen there.
@@ -296,4 +296,4 @@ class Planning:
                 self._snapping.leave(handle, index)
             else:
                 handle.SetNthControlPointPositionWorld(index, *middle)
-            parameterNode.status = self._snapping.told(parameterNode)
+            parameterNode.status = self._snapping.reported(parameterNode)

@@ -39,18 +39,18 @@ class Snapping:
         place = handle.GetNthControlPointPositionWorld(index)
         self._aside[handle.GetID(), handle.GetNthControlPointID(index)] = tuple(place)
 
-    def told(self, parameterNode):
+    def reported(self, parameterNode):
         """Sentences about handles that were moved far or placed beside the vessel and not moved since, or that have
         more points than are used."""
-        reported = []
+        found = []
         for stent in stentsOf(parameterNode):
             stamp, sentences = self._sentences.get(
                 stent.handle and stent.handle.GetID(), (None, [])
             )
             if sentences and stamp == Conversion.changeStamp(stent.handle):
-                reported += sentences
-            reported += self._besideVessel(stent) + _spare(stent)
-        return "\n".join(dict.fromkeys(reported))
+                found += sentences
+            found += self._besideVessel(stent) + _spare(stent)
+        return "\n".join(dict.fromkeys(found))
 
     def _besideVessel(self, stent):
         """A sentence for every point that still lies where it was placed beside the vessel."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..cautions import Caution
-from ..units import told_place
+from ..units import place_text
 from ..validation import Place
 
 NARROWER = 0.03
@@ -56,7 +56,7 @@ class MotionCheck:
         return (
             f"a point that moved {self.distance:.1f} mm, "
             f"{self.distance - self.bound:.3g} mm farther than the method moves it, "
-            f"from {told_place(self.point, units)}"
+            f"from {place_text(self.point, units)}"
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -96,7 +96,7 @@ class WallCheck:
         """The fault and its place as a part of a sentence; `units` are those of the file."""
         return (
             f"wall {self.depth:.2f} mm inside of the stent, whose radius is "
-            f"{self.prescribed:.2f} mm there, near {told_place(self.at, units)}"
+            f"{self.prescribed:.2f} mm there, near {place_text(self.at, units)}"
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -162,7 +162,7 @@ class LumenCheck:
         found, wanted, place = self._narrowest_place()
         return (
             f"its lumen is up to {100 * self.shortfall:.1f} % narrower than prescribed, "
-            f"{found:.2f} instead of {wanted:.2f} mm near {told_place(place, units)}"
+            f"{found:.2f} instead of {wanted:.2f} mm near {place_text(place, units)}"
         )
 
     def _narrowest_place(self) -> tuple[float, float, Place]:
@@ -193,12 +193,12 @@ class LumenCheck:
     def fault(self, units: str = "mm") -> str:
         """The fault and its place as a part of a sentence; `units` are those of the file."""
         if not self.narrowest:
-            return f"a stent outside of the lumen near {told_place(self.narrowest_at, units)}"
+            return f"a stent outside of the lumen near {place_text(self.narrowest_at, units)}"
         if not (self.is_narrow or self.is_wide):
             return self.wall.fault(units)
         found, wanted, place = self.missed()
         return (
-            f"a lumen of {found:.2f} mm instead of {wanted:.2f} mm near {told_place(place, units)}"
+            f"a lumen of {found:.2f} mm instead of {wanted:.2f} mm near {place_text(place, units)}"
         )
 
     def as_dict(self) -> dict[str, Any]:

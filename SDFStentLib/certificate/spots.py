@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import component_labels
-from ..units import told_place
+from ..units import place_text
 from ..validation import Indices, Place, Points, Triangles, as_place
 
 
@@ -27,7 +27,7 @@ class FaultSpot(NamedTuple):
     triangles: tuple[int, ...]
 
     def __str__(self) -> str:
-        return told_place(self.center, "mm")
+        return place_text(self.center, "mm")
 
 
 def spots_of(
@@ -66,7 +66,7 @@ def spots_of(
 def faults_in_words(spots: Sequence[FaultSpot], units: str, *counted: tuple[int, str]) -> str:
     """Counts of triangles, each with its fault, and the place; `spots` are those of `spots_of`."""
     faults = ", ".join(f"{count_in_words(count)} {words}" for count, words in counted if count)
-    place = told_place(spots[0].center, units)
+    place = place_text(spots[0].center, units)
     if len(spots) == 1:
         return f"{faults} near {place}"
     return f"{faults} at {len(spots)} places, most of them near {place}"

@@ -70,7 +70,8 @@ class _Results:
         path.write_bytes(picture)
 
     def write_json(self, path: Path, files: Mapping[str, str]) -> None:
-        text = document_json({**self.document, "outputs": output_list(files)})
+        self.document["outputs"] = output_list(files)
+        text = document_json(self.document)
         path.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 

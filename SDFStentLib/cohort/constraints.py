@@ -12,7 +12,7 @@ from ..centerline import Centerline
 from ..geometry import Line
 from ..plan import InputFiles, Plan, turned
 from ..stent import Stent
-from ..treatment import AxisChange, Spot, axis_in_vessel
+from ..treatment import AxisChange, StentMiddle, axis_in_vessel
 from ..units import are_apart
 from ..validation import InputError, Points
 
@@ -45,7 +45,7 @@ class Where(NamedTuple):
     plan: Plan
     """For its frame, and how axes are changed."""
     inputs: InputFiles
-    spot: Spot | None
+    spot: StentMiddle | None
     """None where the case has no place of its own."""
 
     @property

@@ -20,7 +20,7 @@ from ..geometry import (
     side_lengths,
     signed_volume,
 )
-from ..units import told_place
+from ..units import place_text
 from ..validation import DeploymentError, Points, Triangles, as_length, as_place, as_points, plain
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .stent_checks import Expected, lumen_check
@@ -205,7 +205,7 @@ def away_from_wall(task: DeploymentTask) -> DeploymentError:
         )
     triangle = task.surface.triangles[found.triangle[[nearest]]]
     longest = side_lengths(task.surface.points, triangle).max()
-    place = told_place(as_place(found.closest_point[nearest]), "mm")
+    place = place_text(as_place(found.closest_point[nearest]), "mm")
     return DeploymentError(
         f"stent: expected points of the wall within {reach:.1f} mm of the stent axis, got none; "
         f"the wall is {found.distance[nearest]:.1f} mm away near {place}, but its triangles have "

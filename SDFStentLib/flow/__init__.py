@@ -22,7 +22,7 @@ from .known import Known as Known
 from .known import known_flow as known_flow
 from .network import Network as Network
 from .network import Outlets as Outlets
-from .network import State as State
+from .network import SteadyFlow as SteadyFlow
 from .network import lost_to as lost_to
 from .network import steady as steady
 from .network import steady_states as steady_states

@@ -14,7 +14,7 @@ from .channels import Channel, widths_of
 from .course import LEAST, course_of, nodes_of, rough_flow, tip_diameters, tips_of
 from .inlets import FROM_ROOT, Inlets
 from .known import Known
-from .network import Network, Outlets, State, steady, steady_states
+from .network import Network, Outlets, SteadyFlow, steady, steady_states
 from .outlets import (
     NOTHING_KNOWN,
     SideClues,
@@ -24,7 +24,17 @@ from .outlets import (
     sides_of,
 )
 from .profiles import bends_of
-from .seen import UNCERTAIN, USUAL, Band, Case, InletLoss, Moment, Seen, SpanDrop, reach_of
+from .seen import (
+    UNCERTAIN,
+    USUAL,
+    Band,
+    InletLoss,
+    Moment,
+    PossibleFlow,
+    SeenFlow,
+    SpanDrop,
+    reach_of,
+)
 from .sharp_bends import sharp_bends
 from .spans import Part, Ways
 from .tree import tree_between
@@ -116,7 +126,7 @@ class FlowModel:
             if np.abs(found - flow).max() <= AGREES * PER_ML * known.mean:
                 break
             flow = found
-        self._wave_before: Seen | None = None
+        self._wave_before: SeenFlow | None = None
 
     def _usual_shares(self, clues: SideClues) -> Floats:
         """Of the flow through the outlets (k,), in the order of the centerline's tree."""
@@ -160,11 +170,11 @@ class FlowModel:
         self._usual = self._case(USUAL)
 
     @cached_property
-    def _others(self) -> list[tuple[Case, Case]]:
+    def _others(self) -> list[tuple[PossibleFlow, PossibleFlow]]:
         """To both sides of the usual one."""
         return [(self._possible(low), self._possible(high)) for _, (low, high) in UNCERTAIN]
 
-    def _possible(self, method: Method) -> Case:
+    def _possible(self, method: Method) -> PossibleFlow:
         """The case of a method, or of the farthest on the way to it that the known pressures allow.
 
         Where all of a range would cost more than they leave, the patient tells that not all of it
@@ -182,25 +192,25 @@ class FlowModel:
                 far = part
         return found
 
-    def _case(self, method: Method) -> Case:
+    def _case(self, method: Method) -> PossibleFlow:
         weights, wider = self._diameters**method.power, method.wider
         if wider not in self._blocks:
             self._blocks[wider] = blocks_of(self.channels, self._widths, self._stream, wider)
         network = Network(self._blocks[wider], self._tree, method)
         outlets = fitted_outlets(network, weights, self._sides, self.known)
-        return Case(network, outlets)
+        return PossibleFlow(network, outlets)
 
     @cached_property
-    def _cases(self) -> list[Case]:
+    def _cases(self) -> list[PossibleFlow]:
         """The usual one first."""
         return [self._usual, *(case for pair in self._others for case in pair)]
 
     @cached_property
-    def _before(self) -> Seen:
+    def _before(self) -> SeenFlow:
         """Before treatment: the same for every stent that is tried."""
         return self._seen([case.network for case in self._cases])
 
-    def _after(self, channels: Sequence[Channel]) -> Seen:
+    def _after(self, channels: Sequence[Channel]) -> SeenFlow:
         """The same with the channels after treatment."""
         widths = widths_of(channels, (self._tree_channels, self._tree_widths))
         channels, widths = self._course.along(channels, widths)
@@ -211,15 +221,15 @@ class FlowModel:
         blocks = {one: blocks_of(channels, widths, stream, one) for one in wider}
         return self._seen([one._replace(blocks=blocks[one.method.wider]) for one in each])
 
-    def _seen(self, networks: Sequence[Network]) -> Seen:
+    def _seen(self, networks: Sequence[Network]) -> SeenFlow:
         """Networks by case at all flows into them, which are solved at once."""
         flows = [*(PER_ML * self._flows)]
         both = zip(self._cases, networks, strict=True)
         questions = [(one, case.outlets, q) for case, one in both for q in flows]
         return self._as_seen(networks, steady_states(questions))
 
-    def _as_seen(self, networks: Sequence[Network], states: Sequence[State]) -> Seen:
-        return Seen(self._sides, self._limbs, len(self._inlets.names), networks, states)
+    def _as_seen(self, networks: Sequence[Network], states: Sequence[SteadyFlow]) -> SeenFlow:
+        return SeenFlow(self._sides, self._limbs, len(self._inlets.names), networks, states)
 
     def answer(
         self,
@@ -280,13 +290,13 @@ class FlowModel:
             return tuple((flow * fractions).tolist())
         return tuple(self._flows[-1][: len(fractions)].tolist())
 
-    def _solved(self, solve: Solve, network: Network) -> Seen:
+    def _solved(self, solve: Solve, network: Network) -> SeenFlow:
         """Over the wave; that before treatment is the same for every stent that is tried."""
         is_before = network is self._usual.network
         if is_before and self._wave_before is not None:
             return self._wave_before
         inlets, through = solve(network, self._usual.outlets, self.known)
-        states = [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
+        states = [SteadyFlow(*one) for one in zip(through, inlets.tolist(), strict=True)]
         solved = self._as_seen([network], states)
         if is_before:
             self._wave_before = solved

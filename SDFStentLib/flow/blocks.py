@@ -15,7 +15,7 @@ import numpy as np
 
 from ..validation import Floats
 from .channels import OBLONG, Channel, Widths, meeting_of, outlets_of
-from .profiles import Way, deans_of, layers_of, profile_of, swept_of, way_of
+from .profiles import ChannelStations, deans_of, layers_of, profile_of, swept_of, way_of
 from .sharp_bends import NONE, SharpBends
 
 PASCAL_PER_MMHG = 133.322
@@ -231,7 +231,7 @@ def blocks_of(
     return tuple(found)
 
 
-def _from_starts(way: Way, values: Floats) -> Floats:
+def _from_starts(way: ChannelStations, values: Floats) -> Floats:
     """Values (m,) less those where their channels begin."""
     return np.asarray(values - np.repeat(values[way.starts[:-1]], np.diff(way.starts)))
 
@@ -261,7 +261,9 @@ class _Jets(NamedTuple):
     taken: Floats
 
 
-def _jets(way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream) -> _Jets:
+def _jets(
+    way: ChannelStations, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
+) -> _Jets:
     """Jets along all channels.
 
     `parts` are the speed (m,) attached to the wall, over which share of the way to the next station
@@ -306,7 +308,7 @@ def _jets(way: Way, parts: tuple[Floats, Floats, Floats, Floats], stream: Stream
 
 
 def _across(
-    way: Way, jet: Floats, radius: Floats, stream: Stream, meeting: Iterable[int]
+    way: ChannelStations, jet: Floats, radius: Floats, stream: Stream, meeting: Iterable[int]
 ) -> Floats:
     """What moves across (n,) where channels begin, as `Block.turning`.
 

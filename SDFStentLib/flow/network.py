@@ -80,7 +80,7 @@ class Network(NamedTuple):
         return self.method.blood.density * np.array([block.slenderness for block in self.blocks])
 
 
-class State(NamedTuple):
+class SteadyFlow(NamedTuple):
     """Steady flow through a network, in SI units."""
 
     flow: Floats
@@ -89,12 +89,12 @@ class State(NamedTuple):
     """Total pressure at the inlet, Pa."""
 
 
-def steady(network: Costs, outlets: Outlets, flow: Floats | float) -> State:
+def steady(network: Costs, outlets: Outlets, flow: Floats | float) -> SteadyFlow:
     """The state at a steady flow in m^3/s; arguments and errors as of `steady_states`."""
     return steady_states([(network, outlets, flow)])[0]
 
 
-def steady_states(cases: Sequence[tuple[Costs, Outlets, Floats | float]]) -> list[State]:
+def steady_states(cases: Sequence[tuple[Costs, Outlets, Floats | float]]) -> list[SteadyFlow]:
     """The states of networks of one tree at steady flows in m^3/s, all at once.
 
     A flow is the usual one, of which every inlet has its fraction, or an array (i,) of those
@@ -137,7 +137,7 @@ def steady_states(cases: Sequence[tuple[Costs, Outlets, Floats | float]]) -> lis
         change = np.abs(following - flow).max(axis=1)
         flow = following
         if (change <= enough).all():
-            return [State(*one) for one in zip(tree.signs * flow, inlet.tolist(), strict=True)]
+            return [SteadyFlow(*one) for one in zip(tree.signs * flow, inlet.tolist(), strict=True)]
     raise InputError(
         "flow: expected a network with one steady state, got none after "
         f"{_STEPS} steps; check that flow and pressures are in the units that they are said to be."

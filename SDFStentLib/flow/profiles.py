@@ -30,7 +30,7 @@ _COILED = np.array([2.0, 1.969, 1.813, 1.690, 1.597, 1.526, 1.475, 1.421])
 even one: Dean's equations solved by finite elements (docs/flow.md)."""
 
 
-class Way(NamedTuple):
+class ChannelStations(NamedTuple):
     """The stations of all channels one after the other."""
 
     starts: list[int]
@@ -41,18 +41,18 @@ class Way(NamedTuple):
     """(m,) from each station to the next one, m; 0 at the end of a channel."""
 
 
-def way_of(channels: Sequence[Channel], flow: Floats) -> Way:
+def way_of(channels: Sequence[Channel], flow: Floats) -> ChannelStations:
     """The stations of channels, each after those that bring its blood; flows (n,) through them."""
     along = 1e-3 * np.concatenate([one.along for one in channels])
     starts = np.cumsum([0, *(len(one.along) for one in channels)])
     last = starts[1:] - 1
     step = np.diff(along, append=0.0)
     step[last] = 0.0
-    return Way(starts.tolist(), list(_feeds(channels, flow.tolist())), step)
+    return ChannelStations(starts.tolist(), list(_feeds(channels, flow.tolist())), step)
 
 
 def _feeds(channels: Sequence[Channel], flow: Sequence[float]) -> Iterator[list[tuple[int, float]]]:
-    """As `Way` has them."""
+    """As `ChannelStations` has them."""
     for one in channels:
         if one.also:
             which = (one.above, *one.also)
@@ -136,7 +136,7 @@ def deans_of(area: Floats, spread: Floats, bends: Floats) -> Floats:
     return np.asarray(2 / (np.pi * radius * spread) * np.sqrt(radius * bends))
 
 
-def swept_of(way: Way, area: Floats, layer: Floats, dean: Floats) -> Floats:
+def swept_of(way: ChannelStations, area: Floats, layer: Floats, dean: Floats) -> Floats:
     """What bends take of the energy of profiles (m,) from each station to the next one.
 
     Over the density and the square of the flow, 1/m^4. Blood that is swept across the vessel loses
@@ -153,12 +153,14 @@ def swept_of(way: Way, area: Floats, layer: Floats, dean: Floats) -> Floats:
     return np.append(lost / (2 * area[to] ** 2), 0.0)
 
 
-def layers_of(way: Way, area: Floats, spread: Floats, dean: Floats | float = 0.0) -> Floats:
+def layers_of(
+    way: ChannelStations, area: Floats, spread: Floats, dean: Floats | float = 0.0
+) -> Floats:
     """Thickness of the layer over the radius (m,); into the tree blood comes developed.
 
     Parameters
     ----------
-    way : Way
+    way : ChannelStations
     area : ndarray (m,)
         m^2.
     spread : ndarray (m,)

@@ -10,7 +10,7 @@ import numpy as np
 from ..validation import Floats
 from .blocks import PASCAL_PER_MMHG, Blood, Method
 from .known import Known
-from .network import Network, Outlets, State, lost_along
+from .network import Network, Outlets, SteadyFlow, lost_along
 from .outlets import Sides
 from .spans import Piece, drops_over
 
@@ -80,14 +80,14 @@ class Moment(NamedTuple):
     """Shares of the flow through limbs that meet again."""
 
 
-class Case(NamedTuple):
+class PossibleFlow(NamedTuple):
     """A vessel's network and outlets by one method, before treatment."""
 
     network: Network
     outlets: Outlets
 
 
-class Seen:
+class SeenFlow:
     """The networks of some cases at some flows into them; their states follow case by case."""
 
     def __init__(
@@ -96,7 +96,7 @@ class Seen:
         limbs: Sequence[int],
         inlets: int,
         networks: Sequence[Network],
-        states: Sequence[State],
+        states: Sequence[SteadyFlow],
     ) -> None:
         self.usual = networks[0]
         self._shape = len(networks), len(states) // len(networks)

@@ -27,7 +27,7 @@ from .known_lumen import moved_wall as moved_wall
 from .line_ends import END_REACH as END_REACH
 from .line_ends import TOLERANCE as TOLERANCE
 from .line_ends import LineEnds as LineEnds
-from .line_ends import loops_told as loops_told
+from .line_ends import loop_cautions as loop_cautions
 from .line_ends import with_ends_in_middle as with_ends_in_middle
 from .metrics import SUSPECT as SUSPECT
 from .metrics import DiameterProfile as DiameterProfile

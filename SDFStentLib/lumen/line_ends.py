@@ -199,7 +199,7 @@ def with_ends_in_middle(
     return Centerline(points, radius, tree.parent, tree.loops), tuple(moved)
 
 
-def loops_told(tree: Centerline) -> tuple[Caution, ...]:
+def loop_cautions(tree: Centerline) -> tuple[Caution, ...]:
     """The cautions that lines of a centerline meet again, with the places."""
     places = tree.points[tree.loops[:, 1]].tolist()
     return tuple(Caution("loop", dict(zip("xyz", place, strict=True))) for place in places)

@@ -20,7 +20,7 @@ from ..files import (
     read_lines,
     read_surface,
 )
-from ..lumen import LineEnds, loops_told, with_ends_in_middle
+from ..lumen import LineEnds, loop_cautions, with_ends_in_middle
 from ..stent import AlongAxis, InputFile
 from ..treatment import Vessel, VesselName
 from ..units import Frame, are_apart, flipped
@@ -101,7 +101,7 @@ def read_input_files(
         warnings += in_same_space(surface_file, line_file.drawn_points, os.fspath(centerline))
         tree = line_file.centerline(marks.root, wall.points, LineEnds(wall).widths)
         tree, moved = with_ends_in_middle(wall, tree)
-        warnings += (*moved, *loops_told(tree))
+        warnings += (*moved, *loop_cautions(tree))
     elif marks.names:
         raise InputError(
             "names: expected a centerline, which tells one vessel from another, got none; give "

@@ -77,6 +77,7 @@ def comparison_document(comparison: PlanComparison) -> dict[str, Any]:
             }
             for one in comparison.alternatives
         ],
+        "outputs": [],
     }
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from ..stent import Device, Stent
-from ..treatment import SEEN_RATIOS, Seen, SizeRatios, Suggestion
+from ..treatment import SEEN_RATIOS, RatioRange, SizeRatios, Suggestion
 from .facts import LINES, Fact, Facts
 from .words import UNKNOWN, number_text
 
@@ -141,7 +141,7 @@ def _seen() -> str:
     return f"In its source: {'; '.join(told)}."
 
 
-def _range(seen: Seen, named: str = "") -> str:
+def _range(seen: RatioRange, named: str = "") -> str:
     return f"{seen.low:g} to {seen.high:g} ({named}{seen.median:g})"
 
 

@@ -13,7 +13,7 @@ from ..flow import (
     PER_ML,
     Channel,
     FlowAnswer,
-    State,
+    SteadyFlow,
     Ways,
     drop_over,
     lost_to,
@@ -102,7 +102,7 @@ class EndFlows:
         flows, self._weights = self._known.spread(len(self._network.tree.inlets))
         self._states = self._solved(flows)
 
-    def _solved(self, flows: Floats) -> list[State]:
+    def _solved(self, flows: Floats) -> list[SteadyFlow]:
         return steady_states([(self._network, self._outlets, PER_ML * one) for one in flows])
 
     def _mean(self, values: Sequence[float]) -> float:
@@ -135,7 +135,7 @@ class EndFlows:
         each[:, -1] = each[:, 0]
         return Cycle(time, each, wave.steps)
 
-    def _through(self, face: SegmentFace, states: Sequence[State]) -> list[float]:
+    def _through(self, face: SegmentFace, states: Sequence[SteadyFlow]) -> list[float]:
         """Out of a segment at one of its ends in some states, mL/s."""
         last = self._ways.pieces_to(face.center)[-1]
         sign = 1 if float(self._ways.direction_at(last) @ face.normal) >= 0 else -1

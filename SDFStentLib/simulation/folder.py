@@ -12,7 +12,7 @@ from ..geometry import Line, NamedFaces
 from ..units import Frame
 from ..validation import InputError, as_path
 from .prepared import Mesh, Prepared, State
-from .solver_file import PRESSURES, RESULTS, Steps, solver_files
+from .solver_file import PRESSURES, RESULTS, TimeSteps, solver_files
 
 STEADY = 0.002
 """Part of the inlet pressure within which it has to stay."""
@@ -76,7 +76,7 @@ PROCESSES="${SLURM_NTASKS:-24}" PAUSE=30 exec sh run.sh
 """
 
 
-def scripts_of(cases: Sequence[tuple[str, Steps]], processes: int) -> dict[str, str]:
+def scripts_of(cases: Sequence[tuple[str, TimeSteps]], processes: int) -> dict[str, str]:
     """`run.sh` and `job.sbatch`, by name.
 
     Parameters

@@ -21,7 +21,7 @@ from .conditions import CGS_PRESSURE, Conditions, EndFlows, conditions_of, ends_
 from .ends import SPACING, FlowEnds, ends_beyond, extended
 from .mmg import check_mmg
 from .remesh import Axis, Remeshed, Wishes, axis_of, edge_sizes, edges_around, remeshed
-from .solver_file import Steps, time_steps
+from .solver_file import TimeSteps, time_steps
 from .tetrahedra import Quality, check_meshers, filled, quality
 
 COARSER = 1.5
@@ -50,7 +50,7 @@ class Mesh(NamedTuple):
     quality: Quality
     edges_round: int
     """At the throat."""
-    steps: Steps
+    steps: TimeSteps
 
 
 class Throat(NamedTuple):
@@ -273,7 +273,7 @@ class _Planned(NamedTuple):
     conditions: Conditions
     axis: Axis
     throat: Throat
-    meshes: dict[str, tuple[Wishes, Steps]]
+    meshes: dict[str, tuple[Wishes, TimeSteps]]
 
 
 def _planned(segment: Segment, conditions: Conditions, lines: Lines, wishes: Wishes) -> _Planned:
@@ -295,7 +295,7 @@ def _meshed(plan: _Planned) -> State:
     return State(plan.segment, plan.conditions, meshes, plan.throat)
 
 
-def _mesh(plan: _Planned, wishes: Wishes, steps: Steps) -> Mesh:
+def _mesh(plan: _Planned, wishes: Wishes, steps: TimeSteps) -> Mesh:
     found = well_filled(remeshed(plan.segment, plan.axis, wishes))
     place, direction, _ = plan.throat
     return Mesh(*found, edges_around(found.made.surface, place, direction), steps)

@@ -57,7 +57,7 @@ class CaseResult(NamedTuple):
     """Of the inlet pressure over the frames, as a part of it."""
 
 
-class Case:
+class SolvedCase:
     """A mesh, its faces and a way through it, ready for the frames that were solved on it.
 
     Parameters

@@ -16,7 +16,7 @@ import numpy as np
 from ..geometry import Line
 from ..validation import DeploymentError, Floats, InputError
 from .folder import CASES, read_document
-from .results import Case, CaseResult
+from .results import CaseResult, SolvedCase
 from .solver_file import RESULTS
 
 PROGRAM = "svmultiphysics"
@@ -139,5 +139,5 @@ def read_results(folder: Path) -> Simulated:
         case = folder / place
         if size == "coarse" and not any((case / RESULTS).glob("result_*.vtu")):
             continue
-        found[size][name] = Case(case, way, walls[name]).result(is_wave=is_wave)
+        found[size][name] = SolvedCase(case, way, walls[name]).result(is_wave=is_wave)
     return Simulated(document, Line(way).arc_lengths, found["fine"], found["coarse"])

@@ -67,7 +67,7 @@ _LINEAR = {
 """Of the solver's own cases; the preconditioner `rcs` diverges with resistances at outlets."""
 
 
-class Steps(NamedTuple):
+class TimeSteps(NamedTuple):
     """Of time."""
 
     length: float
@@ -81,7 +81,7 @@ class Steps(NamedTuple):
     """Steps over which the inlet pressure has to stay; 0 for a wave, which takes its time."""
 
 
-def time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> Steps:
+def time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> TimeSteps:
     """Steps in which the fastest blood, in the throat, passes `COURANT` edges.
 
     Of a wave they are at least as many as meet its rows.
@@ -110,7 +110,7 @@ def time_steps(conditions: Conditions, edge: float, radius: float, volume: float
     return steps
 
 
-def _time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> Steps:
+def _time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> TimeSteps:
     cycle, flow = conditions.cycle, 1000 * conditions.most
     fastest = 2 * flow / (math.pi * radius**2)
     length = COURANT * edge / fastest
@@ -118,15 +118,15 @@ def _time_steps(conditions: Conditions, edge: float, radius: float, volume: floa
         period = float(cycle.time[-1])
         every = math.ceil(max(period / length, cycle.steps) / CYCLE_FRAMES)
         steps = every * CYCLE_FRAMES
-        return Steps(period / steps, CYCLES * steps, 0.0, every, (CYCLES - 1) * steps + 1, 0)
+        return TimeSteps(period / steps, CYCLES * steps, 0.0, every, (CYCLES - 1) * steps + 1, 0)
     through = volume / flow
     every = max(math.ceil(WINDOW * through / length / FRAMES), LEAST_BETWEEN)
     windows = math.ceil(LONGEST / WINDOW)
     window = every * FRAMES
-    return Steps(length, windows * window, RAMP * through, every, 1, window)
+    return TimeSteps(length, windows * window, RAMP * through, every, 1, window)
 
 
-def solver_files(conditions: Conditions, steps: Steps) -> dict[str, str]:
+def solver_files(conditions: Conditions, steps: TimeSteps) -> dict[str, str]:
     """`solver.xml` and the files of flow that it names, by name."""
     texts, bounds = {}, []
     for number, end in enumerate(conditions.ends):
@@ -168,7 +168,7 @@ def solver_files(conditions: Conditions, steps: Steps) -> dict[str, str]:
     return {"solver.xml": f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n', **texts}
 
 
-def _general(steps: Steps) -> dict[str, Any]:
+def _general(steps: TimeSteps) -> dict[str, Any]:
     return {
         "Continue_previous_simulation": False,
         "Number_of_spatial_dimensions": 3,
@@ -225,7 +225,7 @@ def _bound(name: str, kind: str, time: str, more: Mapping[str, Any]) -> dict[str
     return {"@name": name, "Type": kind, "Time_dependence": time, **more}
 
 
-def _flow_bound(name: str, file: str, steps: Steps) -> dict[str, Any]:
+def _flow_bound(name: str, file: str, steps: TimeSteps) -> dict[str, Any]:
     more = {
         "Temporal_values_file_path": file,
         "Ramp_function": steps.ramp > 0,
@@ -235,7 +235,7 @@ def _flow_bound(name: str, file: str, steps: Steps) -> dict[str, Any]:
     return _bound(name, "Dir", "Unsteady", more)
 
 
-def _flow_file(conditions: Conditions, number: int, steps: Steps) -> str:
+def _flow_file(conditions: Conditions, number: int, steps: TimeSteps) -> str:
     """Rows of time and flow through an end; into the vessel is negative there."""
     cycle = conditions.cycle
     if cycle is None:

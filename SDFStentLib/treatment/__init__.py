@@ -10,7 +10,7 @@ from .lesions import residual_of as residual_of
 from .lesions import treated_lesions as treated_lesions
 from .lesions import with_known_minima as with_known_minima
 from .places import Landmarks as Landmarks
-from .places import Spot as Spot
+from .places import StentMiddle as StentMiddle
 from .places import nearest_place as nearest_place
 from .places import spot_of as spot_of
 from .placing import placement_at as placement_at
@@ -19,7 +19,7 @@ from .preview import PreviewedNumbers as PreviewedNumbers
 from .preview import PreviewState as PreviewState
 from .profile import prescribed_diameters as prescribed_diameters
 from .ratios import SEEN_RATIOS as SEEN_RATIOS
-from .ratios import Seen as Seen
+from .ratios import RatioRange as RatioRange
 from .ratios import SizeRatios as SizeRatios
 from .ratios import stent_ratios as stent_ratios
 from .ratios import treated_ratios as treated_ratios

@@ -17,7 +17,7 @@ from .straightening import AxisChange, axis_in_vessel
 from .value import PlacedStent, label_of, labeled, resolved
 from .warnings import check_width
 
-State = TypeVar("State")
+Shown = TypeVar("Shown")
 
 
 class Course(NamedTuple):
@@ -96,9 +96,9 @@ class Placer:
         self,
         numbers: Iterable[int],
         course: Course,
-        grow: Callable[[PlacedStent, Course], Generator[State, None, Course]],
+        grow: Callable[[PlacedStent, Course], Generator[Shown, None, Course]],
         known: Mapping[int, PlacedStent] | None = None,
-    ) -> Generator[State, None, Course]:
+    ) -> Generator[Shown, None, Course]:
         """Place stents by number and let each grow, in order; yields the states of all.
 
         `grow` returns the course behind a stent. Those that are `known` lie where they do.

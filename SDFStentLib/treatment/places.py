@@ -89,7 +89,7 @@ def nearest_place(
     return among.nearest_on_branch(point)
 
 
-class Spot(NamedTuple):
+class StentMiddle(NamedTuple):
     """The middle of a stent on the centerline."""
 
     way: Line
@@ -117,7 +117,7 @@ class Spot(NamedTuple):
         return AtCenter(self.point)
 
 
-def spot_of(placement: OfVessel, among: Landmarks) -> Spot:
+def spot_of(placement: OfVessel, among: Landmarks) -> StentMiddle:
     """Where the middle of a stent is.
 
     Raises
@@ -142,7 +142,7 @@ def placement_in(stent: Stent, among: Landmarks) -> AtCenter | AtDistalEnd:
     return spot_of(placement, among).placement(deployed, among.centerline)
 
 
-def _at_lesion(placement: AtLesion, among: Landmarks) -> Spot:
+def _at_lesion(placement: AtLesion, among: Landmarks) -> StentMiddle:
     lesion, tree = among.lesion(placement.number), among.centerline
     points = tree.branches[lesion.branch]
     way = Line(tree.points[tree.ancestry(int(points[-1]))])
@@ -150,10 +150,10 @@ def _at_lesion(placement: AtLesion, among: Landmarks) -> Spot:
     low, high = -middle, way.arc_lengths[-1] - middle
     offset = placement.offset or 0.0
     at = middle + as_number(offset, "offset", unit="mm", minimum=low, maximum=float(high))
-    return Spot(way, at, float(tree.arc_length[points[0]]), lesion)
+    return StentMiddle(way, at, float(tree.arc_length[points[0]]), lesion)
 
 
-def _on_branch(placement: OnBranch, among: Landmarks) -> Spot:
+def _on_branch(placement: OnBranch, among: Landmarks) -> StentMiddle:
     tree = among.centerline
     points = tree.branches[among.branch(placement.branch)]
     start, end = tree.arc_length[points[[0, -1]]]
@@ -163,4 +163,4 @@ def _on_branch(placement: OnBranch, among: Landmarks) -> Spot:
         most = float(end - start)
         along = as_number(placement.distance, "distance", unit="mm", minimum=0, maximum=most)
     way = Line(tree.points[tree.ancestry(int(points[-1]))])
-    return Spot(way, float(start + along), float(start), None)
+    return StentMiddle(way, float(start + along), float(start), None)

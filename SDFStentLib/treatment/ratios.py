@@ -15,7 +15,7 @@ from .placing import HealthyVessel, beside_lesion, healthy_vessel
 from .value import TreatedStent
 
 
-class Seen(NamedTuple):
+class RatioRange(NamedTuple):
     """Ratios of a source."""
 
     median: float
@@ -28,13 +28,15 @@ class SeenRatios(NamedTuple):
 
     vessel: str
     """Of which the diameter is the denominator."""
-    before: Seen
-    after: Seen
+    before: RatioRange
+    after: RatioRange
 
 
 SEEN_RATIOS = (
-    SeenRatios("distal pulmonary artery", Seen(0.66, 0.44, 1.5), Seen(0.86, 0.48, 1.88)),
-    SeenRatios("descending aorta", Seen(0.66, 0.38, 1.02), Seen(0.85, 0.52, 1.2)),
+    SeenRatios(
+        "distal pulmonary artery", RatioRange(0.66, 0.44, 1.5), RatioRange(0.86, 0.48, 1.88)
+    ),
+    SeenRatios("descending aorta", RatioRange(0.66, 0.38, 1.02), RatioRange(0.85, 0.52, 1.2)),
 )
 """Palmaz stents at 21 sites of pulmonary arteries and in 12 coarctations, median and range (Heart
 2003;89:905, abstract). One pulmonary artery ruptured distal to its stent; where neointima was more

@@ -25,7 +25,7 @@ from .shapes import (
     strut_curves,
     wall_diameters,
 )
-from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, WIDTH, View, best_view, label_side
+from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, WIDTH, Viewpoint, best_view, label_side
 
 LABEL = np.array([90.0, 28.0])
 """Width and height of the label with a diameter, pixels."""
@@ -41,7 +41,7 @@ def color_limits(radii: Sequence[float], lumens: Sequence[Lumen]) -> tuple[float
     return float(lower), float(max(np.ceil(2 * values.max() - 0.1) / 2, lower + 0.5))
 
 
-def length_scale(view: View) -> Iterator[Mark]:
+def length_scale(view: Viewpoint) -> Iterator[Mark]:
     """How long so many millimeters are, at the left under the first panel."""
     steps = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
     nice = max(step for step in steps if step <= max(190 / view.per_mm, 0.5))
@@ -68,7 +68,7 @@ def color_scale(lower: float, upper: float, middle: float) -> Iterator[Mark]:
 
 
 def section_marks(
-    view: View, cloud: Points, lumens: Sequence[Lumen], shown: Iterable[tuple[int, int]]
+    view: Viewpoint, cloud: Points, lumens: Sequence[Lumen], shown: Iterable[tuple[int, int]]
 ) -> Iterator[Mark]:
     """Rings where lumens were narrowest, and the diameters beside them.
 
@@ -91,7 +91,7 @@ def section_marks(
             yield Words(f"{values[side]:.1f} mm", x, y + 6, 18, RED, is_bold=True)
 
 
-def curve(view: View, points: Points, column: int, color: str, width: float) -> Stroke:
+def curve(view: Viewpoint, points: Points, column: int, color: str, width: float) -> Stroke:
     """A curve on the vessel in the panel of that column, over the wall."""
     corners = view.pixels(points) + np.array([column * PANEL_WIDTH, 0])
     return Stroke([(float(x), float(y)) for x, y in corners], color, width)
@@ -143,7 +143,7 @@ def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Pa
 class _Scene(NamedTuple):
     """What pictures of a vessel before treatment and after have in common."""
 
-    view: View
+    view: Viewpoint
     cloud: Points
     panels: list[Panel]
     marks: list[Mark]

@@ -11,7 +11,7 @@ from ...geometry import Line, Surface, across
 from ...stent import stent_lattice
 from ...treatment import TreatedStent
 from ...validation import Floats, Points, Triangles
-from .view import View
+from .view import Viewpoint
 
 WALL_COLOR = (0.84, 0.42, 0.36)
 """Of the vessel: a warm tissue red."""
@@ -36,7 +36,7 @@ class Panel(NamedTuple):
 
     column: int
     """Of the picture, 0 for the left one."""
-    view: View
+    view: Viewpoint
     points: Points
     triangles: Triangles
     colors: Floats
@@ -45,7 +45,7 @@ class Panel(NamedTuple):
 
 
 def panel_of(
-    column: int, view: View, surface: Surface, diameters: Floats, limits: tuple[float, float]
+    column: int, view: Viewpoint, surface: Surface, diameters: Floats, limits: tuple[float, float]
 ) -> Panel:
     """A wall with the lumen diameters (n,) at its points as its colors, see `wall_colors`."""
     facing = np.abs(surface.vertex_normals @ view.toward_camera)

@@ -32,7 +32,7 @@ FRONT = {"RAS": (0.0, 1.0, 0.0), "LPS": (0.0, -1.0, 0.0), None: (0.0, 0.0, 0.0)}
 """Where the patient's front is, by the frame of the surface."""
 
 
-class View(NamedTuple):
+class Viewpoint(NamedTuple):
     """A parallel projection: the point (3,) in its middle, mm, and unit vectors (3,) across."""
 
     focus: Floats
@@ -56,7 +56,7 @@ class View(NamedTuple):
         middle = np.array([PANEL_WIDTH / 2, (TOP + BOTTOM) / 2])
         return np.asarray(middle + self.per_mm * self.flat(points) * (1, -1))
 
-    def framing(self, points: Points, aspect: float) -> View:
+    def framing(self, points: Points, aspect: float) -> Viewpoint:
         """The same direction, with all points in a picture of that width over height."""
         flat = self.flat(points)
         width, height = np.ptp(flat, axis=0)
@@ -68,7 +68,7 @@ class View(NamedTuple):
 
 def best_view(
     axes: Sequence[Line], radius: float, cloud: Points, aspect: float, frame: str | None
-) -> View:
+) -> Viewpoint:
     """The view in which the stents lie flat, and the vessels around them beside each other.
 
     Parameters
@@ -86,7 +86,7 @@ def best_view(
 
     Returns
     -------
-    View
+    Viewpoint
         Across the main direction of the stents; of such directions the one along which stents
         and surroundings are least deep, so that little lies before them. The head (z) is up
         unless the view is along it.
@@ -106,7 +106,7 @@ def best_view(
 
     up = np.array([0.0, 0.0, 1.0]) if abs(way[2]) < 0.95 else np.array([0.0, 1.0, 0.0])
     up = up - (up @ way) * way
-    view = View(stations.mean(axis=0), way, up / np.linalg.norm(up), radius)
+    view = Viewpoint(stations.mean(axis=0), way, up / np.linalg.norm(up), radius)
     close, whole = view.framing(nearby, aspect), view.framing(cloud, aspect)
     return whole if whole.half_height < WIDEST * close.half_height else close
 
