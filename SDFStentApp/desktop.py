@@ -114,8 +114,8 @@ class PageDesktop:
         widget.shortcuts.append(shortcut)
         return shortcut
 
-    def onResize(self, widget: Any, action: Callable[[], Any]) -> Callable[[], None]:
-        """Do nothing: no window of a desktop is around the page."""
+    def onEvent(self, widget: Any, kind: str, action: Callable[[], Any]) -> Callable[[], None]:
+        """Do nothing: size and style of the page are the browser's."""
         return lambda: None
 
     def layOut(self) -> None:

@@ -65,13 +65,13 @@ class QtDesktop:
         shortcut.connect("activated()", action)
         return shortcut
 
-    def onResize(self, widget, action):
-        """Call `action()` whenever a widget has another size; call what is returned to have no more of it."""
-        resized = self._qt.QEvent.Resize
+    def onEvent(self, widget, kind, action):
+        """Call `action()` at every event of a kind, such as "Resize", of a widget. Keep what is returned; call it to have no more of it."""
+        wanted = getattr(self._qt.QEvent, kind)
 
         class Watch(self._qt.QObject):
             def eventFilter(self, _watched, event):
-                if event.type() == resized:
+                if event.type() == wanted:
                     action()
                 return False
 

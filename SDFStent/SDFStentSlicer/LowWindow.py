@@ -22,7 +22,7 @@ class LowWindow:
         window = None if slicer.app.layoutManager() is None else slicer.util.mainWindow()
         if window is not None:
             self._unwatch()
-            self._unwatch = desktop().onResize(window, lambda: self._look(window))
+            self._unwatch = desktop().onEvent(window, "Resize", lambda: self._look(window))
             self._look(window)
 
     def leave(self):

@@ -2,7 +2,6 @@
 
 import math
 import textwrap
-from html import escape
 
 import slicer
 from slicer.i18n import tr as _
@@ -162,7 +161,7 @@ class PanelState:
         self.ui = ui
         self._logic, self._session, self._size = logic, session, size
         self.atHand, self.steps, self._told = AtHand(), Steps(ui), ("", "")
-        self._toldOf = (None,)
+        self._tiles, self._toldOf = Tiles.TilesLabel(ui.tilesLabel), (None,)
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
@@ -291,9 +290,7 @@ class PanelState:
         isOld = not isRenewed and self._logic.hasChanged(parameterNode, standing)
         tiles = Tiles.tilesOf(parameterNode)
         hasResult = bool(parameterNode.lumenSummary)
-        label = self.ui.tilesLabel
-        shown = Tiles.html(tiles, Tiles.isDark(label))
-        label.text = shown if tiles else escape(parameterNode.lumenSummary)
+        self._tiles.show(tiles, parameterNode.lumenSummary)
         self.ui.tilesLabel.visible = hasResult
         self.ui.detailsCollapsibleButton.visible = hasResult
         # In words: gray text is hardly legible in a dark style.

@@ -5,6 +5,7 @@ from html import escape
 
 from SDFStentLib.report import COMPARED, Tile
 
+from .Desktop import desktop
 from .PanelParts import cut
 
 SURFACE, IN_A_ROW = COMPARED[-1], 3
@@ -23,6 +24,23 @@ CAUTIONS = {
 def tilesOf(parameterNode):
     """What the last deployment, or its preview, has left to be read at a glance."""
     return [Tile(*values) for values in json.loads(parameterNode.tiles or "[]")]
+
+
+class TilesLabel:
+    """Shows tiles in a label, in the colors of its style: also where that changes while they are shown."""
+
+    def __init__(self, label):
+        self._label, self._tiles, self._instead = label, (), ""
+        self._unwatch = desktop().onEvent(label, "PaletteChange", self._write)
+
+    def show(self, tiles, instead):
+        """Show tiles; without any, a text `instead`."""
+        self._tiles, self._instead = tiles, instead
+        self._write()
+
+    def _write(self):
+        shown = html(self._tiles, isDark(self._label))
+        self._label.text = shown if self._tiles else escape(self._instead)
 
 
 def isDark(widget):

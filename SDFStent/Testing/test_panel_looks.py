@@ -299,6 +299,12 @@ def test_a_warning_fits_the_style(host, aStent, window, thePictures):
     )
     assert contrast(ground, ink) > 4.5
     assert contrast(ground, window) < 1.6  # no lamp in a dark room
+    for lightness in ("#323232", "#efefef"):  # chosen while they are shown
+        QtWidgets.QWidget.setPalette(aStent.parent, QtGui.QPalette(QtGui.QColor(lightness)))
+        host.process()
+        (ground,) = set(re.findall(r"background-color: (#\w+)", aStent.ui.tilesLabel.text))
+        assert contrast(ground, lightness) < 1.6
+    QtWidgets.QWidget.setPalette(aStent.parent, palette)
     host.grab(aStent.parent, thePictures / f"tiles_{window[1:]}.png")
 
 
