@@ -255,6 +255,25 @@ def test_a_fraction_is_that_of_the_branch(folder):
         )
 
 
+def test_numbers_and_parts_of_a_stent_are_swept_by_their_paths(folder):
+    axes = {
+        "length": [10.0, 12.0],
+        "foreshortening_fraction": [0.0, 0.2],
+        "shape.end.diameter": [7.0],
+        "shape.end.length": [2.0],
+    }
+    swept = Swept(folder, axes=axes)
+    found = [swept.plan(at).stents[0] for at in range(4)]
+    assert [(one.length, one.foreshortening) for one in found] == [
+        (10.0, 0.0), (10.0, 0.2), (12.0, 0.0), (12.0, 0.2),
+    ]  # fmt: skip
+    assert {(one.shape.end.diameter, one.shape.end.length) for one in found} == {(7.0, 2.0)}
+    whole = {"name": "own", "lengths": [[4.0, 11.0], [9.0, 9.0]], "nominal_length": 12.0}
+    device = {"device": [{**whole, "source": "a table"}], "foreshortening_fraction": [0.3]}
+    with pytest.raises(InputError, match="foreshortening_fraction: expected none with own"):
+        Swept(folder, axes=device).plan()
+
+
 def test_a_place_in_a_sweep_is_that_of_a_plan(folder):
     """Also where the base plan has none, and no length."""
     from cohort_cases import PLAN

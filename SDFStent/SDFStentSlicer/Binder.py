@@ -86,6 +86,7 @@ class OfNumber:
         limits = RANGES.get(PATHS.get(path))
         if limits is not None:
             widget.minimum, widget.maximum = limits.low, limits.high
+        self._first = widget.minimum if self._hasNone else widget.value
 
     def read(self):
         """The value for the plan."""
@@ -93,11 +94,8 @@ class OfNumber:
         return None if isNone else self._toPlan(self.widget.value)
 
     def write(self, value):
-        """Show a value of the plan."""
-        if value is not None:
-            self.widget.value = self._fromPlan(value)
-        elif self._hasNone:
-            self.widget.value = self.widget.minimum
+        """Show a value of the plan; for none what the form begins with, and not what was there of another stent or patient."""
+        self.widget.value = self._first if value is None else self._fromPlan(value)
 
 
 class OfChoice:

@@ -219,3 +219,39 @@ def test_a_flow_beyond_the_panels_is_refused_with_its_plan(aLogic, theParameters
     with pytest.raises(ValueError, match="flow: expected a mean flow of 0 to 60 L/min in the"):
         aLogic.loadPlan(path, theParameters)
     assert theParameters.flowMean == 0.0
+
+
+def test_of_a_flow_that_is_forgotten_nothing_is_taken_for_the_next_one(host, aStent):
+    """As in the page, where another patient is opened."""
+    from SDFStentSlicer import Flow
+
+    ui, parameters = aStent.ui, aStent._parameterNode
+    aFlow(ui)
+    ui.unusualFlowCheckBox.checked = True
+    host.process()
+    assert Flow.knownOf(parameters).wedge == 12.0
+    Flow.setKnown(parameters, None)
+    host.process()
+    ui.flowMeanSpinBox.value = 4.0
+    host.process()
+    known = Flow.knownOf(parameters)
+    assert (known.peak, known.inlet, known.wedge, known.split_right) == (None,) * 4
+    assert not known.unusual
+    ui.inletPressureSpinBox.value = 30
+    host.process()
+    assert Flow.knownOf(parameters).wedge == 0.0
+
+
+def test_a_mean_flow_of_none_keeps_what_else_is_known(host, aStent):
+    from SDFStentSlicer import Flow
+
+    ui, parameters = aStent.ui, aStent._parameterNode
+    aFlow(ui)
+    host.process()
+    before = Flow.knownOf(parameters)
+    ui.flowMeanSpinBox.value = 0.0
+    host.process()
+    assert Flow.knownOf(parameters) is None
+    ui.flowMeanSpinBox.value = 3.0
+    host.process()
+    assert Flow.knownOf(parameters) == before

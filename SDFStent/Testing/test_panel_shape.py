@@ -104,3 +104,12 @@ def test_caps_of_a_plan_are_shown_as_they_are(host, theSection):
     assert planned(theSection).shape.cap_height == 0.5
     host.choose(ui.capsComboBox, 0)
     assert ui.capsComboBox.count == 2
+
+
+def test_an_end_of_one_stent_is_none_of_the_next(host, theSection):
+    ui = theSection.ui
+    ui.distalEndSpinBox.value, ui.distalEndLengthSpinBox.value = 9.0, 7.0
+    host.click(ui.addStentButton)
+    ui.distalEndSpinBox.value = 9.5
+    ends = [one.shape["end"] for one in theSection._parameterNode.stents]
+    assert ends == [{"diameter": 9.0, "length": 7.0}, {"diameter": 9.5, "length": 3.0}]
