@@ -37,6 +37,7 @@ STANDS_FOR = {
     "SWEEP": "sweep.json",
     "SWEEP.json": "sweep.json",
     "STENTED": "surface_stented.vtp",
+    "REPORT.json": "report.json",
     "OUT": "out.vtp",
     "NAME": "generic",
     "D": "7.5",
