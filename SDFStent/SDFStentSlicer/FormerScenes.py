@@ -17,15 +17,12 @@ TOLD = _(
 
 
 def takeOver(node):
-    """Make the document of a parameter node that a former version has left; returns what to say of it, "" where there is none.
+    """Make the document of a parameter node that a former version has left; does nothing to another one.
 
     Handles stay where they are: they were node references of the same roles.
     """
     if not node.HasParameter(COUNT) or node.GetParameter("plan"):
-        if node.GetParameter("status") == TOLD and not hasattr(node, "isTakenOver"):
-            node.SetParameter("status", "")  # that was said before the scene was saved again
-        return ""
-    node.isTakenOver = True  # kept as long as the node, and in no file
+        return
     former = {name: node.GetParameter(name) for name in node.GetParameterNames()}
     stents = [_stent(former, f"stents.{number}.") for number in range(int(former[COUNT] or 0))]
     kept = json.loads(former.get("planDocument") or "{}")
@@ -43,8 +40,14 @@ def takeOver(node):
             node.UnsetParameter(name)
     node.RemoveNodeReferenceIDs("stent.handle")
     node.SetParameter("plan", json.dumps(document, ensure_ascii=False))
+    node.takenOver = node.GetParameter("plan")  # kept as long as the node, and in no file
     node.EndModify(wasModified)
-    return TOLD
+
+
+def toldOf(parameterNode):
+    """What there is to know of a plan that was taken over and not changed since; "" of any other."""
+    taken = getattr(parameterNode.parameterNode, "takenOver", None)
+    return TOLD if taken is not None and taken == parameterNode.plan else ""
 
 
 _OTHERS = ("planDocument", "flowWave", "flowInlets")

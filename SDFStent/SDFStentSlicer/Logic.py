@@ -108,10 +108,8 @@ class SDFStentLogic(
         """The parameters in a `vtkMRMLScriptedModuleNode`, always the same object for the same node."""
         wrapper = self._wrappers.get(node.GetID())
         if wrapper is None or wrapper.parameterNode is not node:
-            told = FormerScenes.takeOver(node)
+            FormerScenes.takeOver(node)
             wrapper = self._wrappers[node.GetID()] = SDFStentParameterNode(node)
-            if told:
-                wrapper.status = told
         return wrapper
 
     def addParameterSet(self, name):

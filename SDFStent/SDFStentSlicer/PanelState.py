@@ -18,7 +18,7 @@ from SDFStentLib.plan import value_at
 from SDFStentLib.report import WARNING
 from SDFStentLib.validation import one_line, printable
 
-from . import Charts, Conversion, Flow, Outputs, Showing, Sizes, Tiles
+from . import Charts, Conversion, Flow, FormerScenes, Outputs, Showing, Sizes, Tiles
 from .PanelParts import cut
 from .ParameterNode import methodOf, stentOf, stentsOf
 from .PlanFields import DEFAULTS, METHOD, METHOD_PARAMETERS, Placement
@@ -322,7 +322,8 @@ class PanelState:
             if sentence != former:  # who asked from a section far below sees it, too
                 slicer.util.showStatusMessage(sentence.rpartition("\n")[2], SAID_MS)
         self._told = told
-        sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
+        former = FormerScenes.toldOf(parameterNode)
+        sentences = [standing.missing, former, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
         self._size.fit()
