@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,7 +24,7 @@ from SDFStentLib.treatment import PlacedStent, residual_of, treated_lesions
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import find_lesions, lesion_against, lesions_within
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
-from SDFStentLib.vessel.lesions import _found
+from SDFStentLib.vessel.lesions import _each_once, _found
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.runs import SideBranch, _ostium, vessel_runs
 
@@ -319,6 +320,18 @@ def test_a_throat_from_which_several_branches_go_on_narrower_is_that_of_the_vess
     assert [one.vessel for one in _found([trunk, aside[0]], [0, 1])] == [1]
 
 
+def test_a_branch_whose_narrowest_sphere_is_that_of_its_parent_has_no_lesion_there():
+    """2.04 mm of the vessel were told again as 2.02 mm of the branch that leaves its throat."""
+    made = phantom("stenosed_tube", edge_length=0.8)
+    (own,) = find_lesions(made.surface, made.centerline)
+    width = own.minimum_diameter
+    beside = np.add(own.point, [0.4 * width, 0.0, 0.0])
+    again = replace(own, point=tuple(beside), generation=1, percent_diameter=80.0)
+    apart = replace(again, point=tuple(np.add(beside, [0.4 * width, 0.0, 0.0])))
+    assert _each_once([again, own]) == [own]
+    assert _each_once([apart, own]) == [own, apart]
+
+
 def test_a_narrow_twig_at_the_end_of_a_trunk_takes_no_lesion_from_it():
     """65 % of the trunk were dropped for 48 % of a vessel of 3.7 mm that leaves its end."""
     trunk = vessel_along(through((0, 13), (34, 13), (46, 3.9)))
@@ -489,6 +502,17 @@ def test_a_vessel_that_tapers_far_beyond_its_narrow_ostium_is_no_aneurysm():
     # What is wider only as long as the ostium is is one.
     focal = through((0, 4.0), (2, 4.0), (10, 7.6), (18, 4.0), (60, 4.0))
     assert not narrowings(vessel_along(focal, parent=0))
+
+
+def test_a_valley_beside_a_deeper_throat_is_measured_up_to_that_only():
+    """Between a trunk of 10.1 mm and healthy vessel of 6.2 mm beyond a throat a valley of 4.9 mm
+    passed for the lesion: the throat was told as 50 % of 7.1 mm, not as 40."""
+    valley = through(
+        (0, 10.1), (12, 10.1), (22, 4.9), (32, 5.5), (36, 5.6), (41, 3.5), (46, 6.2), (75, 6.2)
+    )
+    (one,) = narrowings(vessel_along(valley))
+    assert one.narrowest == pytest.approx(41, abs=1)
+    assert one.degree == pytest.approx(1 - 3.5 / 5.9, abs=0.02)
 
 
 def test_the_funnel_of_an_ostium_before_a_narrowing_is_no_healthy_vessel():

@@ -102,7 +102,17 @@ def find_lesions(
     least = 100 * SMALLEST_DEGREE
     wall = tree_lumen(surface, centerline).spheres.surface
     told = [one for one in measured(lesions, surface, wall) if not one.percent_diameter < least]
-    return tuple(sorted(told, key=rank))
+    return tuple(sorted(_each_once(told), key=rank))
+
+
+def _each_once(lesions: Sequence[Lesion]) -> list[Lesion]:
+    """Without those of branches whose narrowest sphere is that of the vessel that they leave."""
+    kept: list[Lesion] = []
+    for one in sorted(lesions, key=lambda one: (one.generation, -one.percent_diameter)):
+        away = [np.linalg.norm(np.subtract(one.point, other.point)) for other in kept]
+        if not any(way < other.minimum_diameter / 2 for way, other in zip(away, kept, strict=True)):
+            kept.append(one)
+    return kept
 
 
 def vessel_name(run: VesselRun, is_main: bool) -> str:

@@ -206,9 +206,14 @@ def _side(caliber: Caliber, at: int, way: int) -> tuple[Floats, Floats, Floats]:
 
 
 def _widest(caliber: Caliber, at: int, way: int, reach: float) -> float:
-    """How wide a vessel is for some length on one side of a place, within some of its diameters."""
+    """How wide a vessel is for some length on one side of a place, within some of its diameters.
+
+    Up to where it is narrower than there by more than an edge is: what lies beyond is of that.
+    """
     away, diameter, kept = _side(caliber, at, way)
-    return float(kept[away <= reach * kept].max(initial=diameter[0]))
+    narrower = np.flatnonzero(diameter < (1 - EDGE_DEGREE) * diameter[0])
+    is_own = np.arange(len(away)) < narrower.min(initial=len(away))
+    return float(kept[is_own & (away <= reach * kept)].max(initial=diameter[0]))
 
 
 def _one_sided(caliber: Caliber, at: int, way: int) -> float:
