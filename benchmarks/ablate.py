@@ -34,12 +34,11 @@ _ROOM = find_lesions.__module__.rpartition(".")[0]
 
 VESSEL = {
     name: sys.modules[f"{_ROOM}.{name}"]
-    for name in ("caliber", "narrowings", "lesions", "branch_lumen", "own_diameters", "runs",
-                 "tree_around")
-}  # fmt: skip
+    for name in ("caliber", "narrowings", "found_narrowings", "branch_lumen", "runs", "tree_around")
+}
 """Modules from inside of the room of vessels, by name: no public function changes their numbers."""
 
-MODULES = (VESSEL["caliber"], VESSEL["narrowings"], VESSEL["lesions"])
+MODULES = (VESSEL["caliber"], VESSEL["narrowings"], VESSEL["found_narrowings"])
 """Modules of the rule."""
 
 FACTORS = (0.5, 2.0)
@@ -64,7 +63,7 @@ def measured_tree(folder: Path) -> MeasuredTree:
     spheres = [lumen.spheres.exact(lumen.stations_of(run)) for run in runs]
     tree, truths, _ = load(folder)
     return MeasuredTree(
-        VESSEL["own_diameters"].own_runs(wall, runs, spheres),
+        VESSEL["found_narrowings"].own_runs(wall, runs, spheres),
         tree,
         read_wall(folder / "surface.vtp"),
         truths,
@@ -74,7 +73,7 @@ def measured_tree(folder: Path) -> MeasuredTree:
 def reported(runs: Sequence[Any]) -> list[Reported]:
     """The lesions of vessels by their stations."""
     found = []
-    for one in VESSEL["lesions"]._found(runs, range(len(runs))):
+    for one in VESSEL["found_narrowings"].found_narrowings(runs, range(len(runs))):
         place, width = one.run.points[one.narrowest], float(one.run.diameter[one.narrowest])
         degree, length = 100 * (1 - width / one.healthy), one.narrow.end - one.narrow.start
         if degree >= 100 * VESSEL["narrowings"].SMALLEST_DEGREE:

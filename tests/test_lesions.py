@@ -23,8 +23,9 @@ from SDFStentLib.stent import AtCenter, Stent, StentAxis
 from SDFStentLib.treatment import PlacedStent, residual_of, treated_lesions
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import find_lesions, lesion_against, lesions_within
+from SDFStentLib.vessel.found_narrowings import found_narrowings
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
-from SDFStentLib.vessel.lesions import _each_once, _found
+from SDFStentLib.vessel.lesions import _each_once
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.runs import SideBranch, _ostium, vessel_runs
 
@@ -272,7 +273,7 @@ def test_the_ostium_of_a_branch_within_its_parent_s_narrowing_is_the_same_lesion
     beyond = np.arange(0, 25.1, 0.5)
     child = leaving(caliber - (caliber - ostium) * np.clip(1 - beyond / 4, 0, 1), 29.0)
     assert len(narrowings(child)) == 1
-    assert [one.vessel for one in _found([parent, child], [0, 1])] == vessels
+    assert [one.vessel for one in found_narrowings([parent, child], [0, 1])] == vessels
 
 
 def test_a_narrowing_is_told_though_a_branch_as_wide_leaves_its_throat_still_narrower():
@@ -283,9 +284,9 @@ def test_a_narrowing_is_told_though_a_branch_as_wide_leaves_its_throat_still_nar
     beyond = np.arange(0, 25.1, 0.5)
     child = leaving(np.interp(beyond, [0, 1, 5], [1.4, 1.4, 4.3]), 29.0)
     outside = child._replace(line=Line(child.points + np.array([1.5, 0.0, 0.0])))
-    assert [one.vessel for one in _found([parent, child], [0, 1])] == [0]
+    assert [one.vessel for one in found_narrowings([parent, child], [0, 1])] == [0]
     # Beside the throat it is a place of its own.
-    assert [one.vessel for one in _found([parent, outside], [0, 1])] == [0, 1]
+    assert [one.vessel for one in found_narrowings([parent, outside], [0, 1])] == [0, 1]
 
 
 def test_what_is_over_where_the_vessel_goes_on_in_a_branch_is_told_there_if_that_is_tighter():
@@ -295,10 +296,10 @@ def test_what_is_over_where_the_vessel_goes_on_in_a_branch_is_told_there_if_that
     beyond = np.arange(0, 25.1, 0.5)
     child = leaving(np.interp(beyond, [0, 1, 4], [2.6, 2.6, 4.7]), 31.5)
     runs = [parent, child._replace(caliber=4.7)]
-    assert [one.vessel for one in _found(runs, [0, 1])] == [1]
+    assert [one.vessel for one in found_narrowings(runs, [0, 1])] == [1]
     # A branch that is much narrower is another vessel.
     aside = child._replace(line=Line(child.points + np.array([2.5, 0.0, 0.0])), caliber=3.0)
-    assert [one.vessel for one in _found([parent, aside], [0, 1])] == [0, 1]
+    assert [one.vessel for one in found_narrowings([parent, aside], [0, 1])] == [0, 1]
 
 
 def test_a_throat_from_which_several_branches_go_on_narrower_is_that_of_the_vessel_before():
@@ -314,10 +315,10 @@ def test_a_throat_from_which_several_branches_go_on_narrower_is_that_of_the_vess
         for one, way in zip(branches, (-4.0, 4.0), strict=True)
     ]
     trunk = trunk._replace(division=division)
-    told = [one.vessel for one in _found([trunk, *aside], [0, 1, 2])]
+    told = [one.vessel for one in found_narrowings([trunk, *aside], [0, 1, 2])]
     assert told[0] == 0
     # The throat of one of them is its own.
-    assert [one.vessel for one in _found([trunk, aside[0]], [0, 1])] == [1]
+    assert [one.vessel for one in found_narrowings([trunk, aside[0]], [0, 1])] == [1]
 
 
 def test_a_branch_whose_narrowest_sphere_is_that_of_its_parent_has_no_lesion_there():
@@ -343,7 +344,7 @@ def test_a_narrow_twig_at_the_end_of_a_trunk_takes_no_lesion_from_it():
         onward._replace(is_onward=True, caliber=10.6),
         twig._replace(caliber=3.7),
     ]
-    assert _found(runs, [0, 1, 2])[0].vessel == 0
+    assert found_narrowings(runs, [0, 1, 2])[0].vessel == 0
 
 
 def test_a_branch_s_own_narrowing_beyond_its_parent_s_is_another_lesion():
@@ -353,7 +354,7 @@ def test_a_branch_s_own_narrowing_beyond_its_parent_s_is_another_lesion():
     parent = vessel_along(8 - 4.8 * bump)._replace(side_branches=(SideBranch(29.0, 4.0, 1),))
     beyond = np.arange(0, 40.1, 0.5)
     own = 4 - 2.2 * np.clip(1 - np.abs(beyond - 7) / 3, 0, 1)
-    found = _found([parent, leaving(own, 29.0)], [0, 1])
+    found = found_narrowings([parent, leaving(own, 29.0)], [0, 1])
     assert [(one.vessel, round(100 * one.narrow.degree)) for one in found] == [(0, 60), (1, 55)]
 
 
@@ -364,7 +365,7 @@ def test_a_narrowing_across_a_division_is_told_with_the_narrower_of_its_parts(th
     whole = 5 - 3 * np.clip(1 - np.abs(along - throat) / 6, 0, 1)
     division = (SideBranch(30.0, 5.0, 1), SideBranch(30.0, 2.5, 2))
     parent = vessel_along(whole[:61])._replace(division=division)
-    (one,) = _found([parent, vessel_along(whole[60:], 0, start=30.0)], [0, 1])
+    (one,) = found_narrowings([parent, vessel_along(whole[60:], 0, start=30.0)], [0, 1])
     assert (one.vessel, one.run.diameter[one.narrowest]) == (vessel, 2.0)
 
 
@@ -373,9 +374,9 @@ def test_a_long_throat_that_two_lines_run_through_is_told_once():
     along = np.arange(0, 60.1, 0.5)
     one = vessel_along(np.interp(along, [18, 22, 38, 42], [5.0, 1.0, 1.02, 5.0]))
     other = vessel_along(np.interp(along, [18, 22, 38, 42], [5.0, 1.04, 1.01, 5.0]))
-    assert len(_found([one, other], [0, 1])) == 1
+    assert len(found_narrowings([one, other], [0, 1])) == 1
     aside = other._replace(line=Line(other.points + np.array([9.0, 0.0, 0.0])))
-    assert len(_found([one, aside], [0, 1])) == 2
+    assert len(found_narrowings([one, aside], [0, 1])) == 2
 
 
 def test_where_stations_are_unevenly_apart_a_slope_is_no_healthy_vessel():
@@ -664,7 +665,7 @@ def test_a_narrowing_without_healthy_vessel_in_reach_is_told_with_its_narrowest_
     throat = 9.0 * (1 - 0.55 * np.exp(-(((along - 10.0) / width) ** 2)))
     ends = (SideBranch(20.0, 7.0, 1), SideBranch(20.0, 6.0, 2))
     branch = vessel_along(throat, 0)._replace(division=ends)
-    (one,) = _found([vessel_along(np.full(60, 12.0)), branch], [0, 1])
+    (one,) = found_narrowings([vessel_along(np.full(60, 12.0)), branch], [0, 1])
     asked = (7.0 ** (7 / 3) + 6.0 ** (7 / 3)) ** (3 / 7)
     assert one.narrow.narrowest == 10.0
     assert one.sides == (None, None)

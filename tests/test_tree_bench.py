@@ -25,7 +25,7 @@ from SDFStentLib.geometry import Surface
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.vessel.branch_lumen import branch_lumens
 from SDFStentLib.vessel.caliber import healthy_caliber
-from SDFStentLib.vessel.own_diameters import measured_runs
+from SDFStentLib.vessel.found_narrowings import measured_runs
 from SDFStentLib.vessel.runs import vessel_runs
 
 pytestmark = pytest.mark.bench

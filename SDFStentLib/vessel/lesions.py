@@ -5,16 +5,14 @@ A lesion is a property of the vessel. No stent takes part in what it measures.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from itertools import product
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..centerline import SAME_CALIBER, Centerline
+from ..centerline import Centerline
 from ..geometry import (
     Line,
     NamedFaces,
@@ -28,11 +26,11 @@ from ..validation import Floats, as_place
 from .branch_lumen import tree_lumen
 from .branch_names import named_branches, size_words
 from .caliber import healthy_caliber
+from .found_narrowings import FoundNarrowing, found_narrowings, measured_runs
 from .lesion_measuring import lesions_after, measured
 from .lesion_sections import HealthySections
 from .lesion_value import HealthyPlace, Lesion, reference_words
-from .narrowings import REGAINED, SMALLEST_DEGREE, Narrowing, Plateau, narrowings
-from .own_diameters import measured_runs
+from .narrowings import SMALLEST_DEGREE, Plateau
 from .runs import VesselRun, is_main
 
 _ASLANT = 2.0
@@ -84,7 +82,7 @@ def find_lesions(
     """
     surface = as_surface(surface)
     runs, asked = measured_runs(surface, centerline)
-    found = _found(runs, asked)
+    found = found_narrowings(runs, asked)
     faces = checked_faces(faces, len(surface.triangles))
     named = named_branches(surface, centerline, faces, given)
     main = [is_main(run, runs) for run in runs]
@@ -186,97 +184,8 @@ def _passes(axis: Line, lesion: Lesion, beyond: float) -> bool:
     return bool(nearest <= reach and (offsets <= _ASLANT * reach).any())
 
 
-@dataclass(frozen=True)
-class _Found:
-    """A narrowing of a vessel of the tree."""
-
-    vessel: int
-    run: VesselRun
-    narrow: Narrowing
-
-    @property
-    def sides(self) -> tuple[Plateau | None, Plateau | None]:
-        """The healthy vessel that has a place."""
-        proximal, distal = (
-            None if side is None or np.isnan(side.arc_length) else side
-            for side in (self.narrow.reference.proximal, self.narrow.reference.distal)
-        )
-        return proximal, distal
-
-    @cached_property
-    def narrowest(self) -> int:
-        """Its narrowest station."""
-        return int(np.abs(self.run.along - self.narrow.narrowest).argmin())
-
-    @cached_property
-    def is_at_ostium(self) -> bool:
-        """Whether it begins where the vessel leaves its parent."""
-        known = np.flatnonzero(np.isfinite(self.run.diameter))
-        return self.run.parent >= 0 and bool(self.narrow.start <= self.run.along[known[0]])
-
-    @property
-    def healthy(self) -> float:
-        """How wide its vessel should be where it is narrowest, mm."""
-        return float(self.narrow.reference.at(np.array([self.narrow.narrowest]))[0])
-
-    def holds(self, other: _Found) -> bool:
-        """Whether another one is narrowest in the lumen of this one.
-
-        That is the healthy lumen, for one of a lower degree; else that which is left of it: beside
-        it, an ostium in the wall of a narrowing may be narrower still.
-        """
-        along, start = self.run.along, -np.inf if self.is_at_ostium else self.narrow.start
-        inner = (along >= start) & (along <= self.narrow.end)
-        away = np.linalg.norm(self.run.points[inner] - other.run.points[other.narrowest], axis=1)
-        is_lower = other.narrow.degree <= self.narrow.degree
-        wide = self.narrow.reference.at(along[inner]) if is_lower else self.run.diameter[inner]
-        return bool((away < wide / 2).any())
-
-    def continues(self, other: _Found) -> bool:
-        """Whether another one is over where this one begins, and its vessel goes on in this one's.
-
-        It is over where half is regained, or where its vessel ends.
-        """
-        goes_on = self.run.is_onward or self.run.caliber >= SAME_CALIBER * other.healthy
-        if self.run.parent != other.vessel or not self.is_at_ostium or not goes_on:
-            return False
-        run, fork = other.run, self.run.along[0]
-        known = np.isfinite(run.diameter)
-        along, diameter = run.along[known], run.diameter[known]
-        beyond = along[along > other.narrow.end].min(initial=run.along[-1])
-        if not other.narrow.narrowest <= fork <= beyond:
-            return False
-        least = float(run.diameter[other.narrowest])
-        regained = (np.interp(fork, along, diameter) - least) / (other.healthy - least)
-        return bool(fork >= run.along[-1] or regained >= REGAINED)
-
-
-def _found(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[_Found]:
-    """The narrowings of some vessels, each once.
-
-    What is narrowest in the lumen of a vessel's own one, or in the healthy lumen of one of a higher
-    degree, is that: a vessel comes before its branches, which begin in its wall. But where it goes
-    on in a branch, the part of the higher degree is told.
-    """
-    every = [
-        _Found(number, runs[number], narrow)
-        for number in asked
-        for narrow in narrowings(runs[number])
-    ]
-    pairs = [pair for pair in product(every, every) if pair[0].continues(pair[1])]
-    lower = {id(one) for one, above in pairs if one.narrow.degree < above.narrow.degree}
-    tighter = Counter(id(above) for one, above in pairs if id(one) not in lower)
-    # A throat from which several vessels go on still narrower is that of the one before.
-    lower |= {above for above, count in tighter.items() if count == 1}
-    kept: list[_Found] = []
-    for one in sorted(every, key=lambda one: (one.run.generation, -one.narrow.degree)):
-        if id(one) not in lower and not any(other.holds(one) for other in kept):
-            kept.append(one)
-    return kept
-
-
 def _begun(
-    found: _Found,
+    found: FoundNarrowing,
     healthy: Sequence[HealthyPlace | None],
     names: Sequence[str],
     starts: Floats,
@@ -328,7 +237,7 @@ def _begun(
 
 
 def _healthy_places(
-    surface: Surface, found: Sequence[_Found]
+    surface: Surface, found: Sequence[FoundNarrowing]
 ) -> list[tuple[HealthyPlace | None, HealthyPlace | None]]:
     """The healthy places of all narrowings, with areas where sections are those of their vessel."""
     asked = [(one.run, side) for one in found for side in one.sides if side is not None]

@@ -1,0 +1,157 @@
+"""The narrowings of all vessels of a tree, each once.
+
+Which branch a vessel goes on in, and how wide vessels are beside each other, rough spheres tell as
+well as exact ones; so they do where a vessel has no narrowing. Vessels that may have one are
+measured exactly. Spheres that leave their vessel beside a throat count as what it is itself.
+
+At a fork several vessels share a throat, which is that of the one from which the others come.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from ..centerline import SAME_CALIBER, Centerline
+from ..geometry import Surface
+from ..lumen import InscribedSpheres, LocalSurface, with_own_spheres
+from ..validation import Indices
+from .branch_lumen import tree_lumen
+from .narrowings import REGAINED, Narrowing, Plateau, narrowings
+from .runs import VesselRun, vessel_runs
+from .tree_around import limbs_of
+
+_ROUGHLY = 0.05
+"""Of the reference by which a narrowing may be deeper than rough spheres tell."""
+
+
+def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[VesselRun], list[int]]:
+    """The vessels of a tree as wide as they are themselves beside branches that leave at a throat.
+
+    And the numbers of those that may have a narrowing. Errors as of `branch_lumens`.
+    """
+    tree = tree_lumen(surface, centerline)
+    runs, wall = vessel_runs(tree.rough, limbs_of(centerline)), tree.spheres.surface
+    stations = [tree.stations_of(run) for run in runs]
+    own = own_runs(wall, runs, [tree.spheres.rough.at(which) for which in stations])
+    asked = [number for number, run in enumerate(own) if narrowings(run, _ROUGHLY)]
+    if asked:
+        ends = np.cumsum([len(stations[number]) for number in asked])
+        exact = tree.spheres.exact(np.concatenate([stations[number] for number in asked]))
+        parts = [exact.at(part) for part in np.split(np.arange(ends[-1]), ends[:-1])]
+        for number, run in zip(asked, own_runs(wall, [runs[n] for n in asked], parts), strict=True):
+            own[number] = run
+    return own, asked
+
+
+def own_runs(
+    wall: LocalSurface, runs: Sequence[VesselRun], spheres: Sequence[InscribedSpheres]
+) -> list[VesselRun]:
+    """Vessels with the spheres at their stations, but those that have left them.
+
+    What is not known of a vessel stays so.
+    """
+    stations = np.concatenate([run.points for run in runs])
+    ends = np.cumsum([len(run.along) for run in runs])
+    lines: list[Indices] = np.split(np.arange(len(stations)), ends[:-1])
+    centers = np.concatenate([found.centers for found in spheres])
+    radii = np.concatenate([found.radii for found in spheres])
+    is_known = np.isfinite(np.concatenate([run.diameter for run in runs]))
+    found = InscribedSpheres(centers, np.where(is_known, radii, np.nan))
+    ways = np.concatenate([run.line.directions for run in runs])
+    diameter = 2 * with_own_spheres(wall, stations, ways, found, lines).radii
+    return [run._replace(diameter=diameter[line]) for run, line in zip(runs, lines, strict=True)]
+
+
+@dataclass(frozen=True)
+class FoundNarrowing:
+    """A narrowing of a vessel of the tree."""
+
+    vessel: int
+    run: VesselRun
+    narrow: Narrowing
+
+    @property
+    def sides(self) -> tuple[Plateau | None, Plateau | None]:
+        """The healthy vessel that has a place."""
+        proximal, distal = (
+            None if side is None or np.isnan(side.arc_length) else side
+            for side in (self.narrow.reference.proximal, self.narrow.reference.distal)
+        )
+        return proximal, distal
+
+    @cached_property
+    def narrowest(self) -> int:
+        """Its narrowest station."""
+        return int(np.abs(self.run.along - self.narrow.narrowest).argmin())
+
+    @cached_property
+    def is_at_ostium(self) -> bool:
+        """Whether it begins where the vessel leaves its parent."""
+        known = np.flatnonzero(np.isfinite(self.run.diameter))
+        return self.run.parent >= 0 and bool(self.narrow.start <= self.run.along[known[0]])
+
+    @property
+    def healthy(self) -> float:
+        """How wide its vessel should be where it is narrowest, mm."""
+        return float(self.narrow.reference.at(np.array([self.narrow.narrowest]))[0])
+
+    def holds(self, other: FoundNarrowing) -> bool:
+        """Whether another one is narrowest in the lumen of this one.
+
+        That is the healthy lumen, for one of a lower degree; else that which is left of it: beside
+        it, an ostium in the wall of a narrowing may be narrower still.
+        """
+        along, start = self.run.along, -np.inf if self.is_at_ostium else self.narrow.start
+        inner = (along >= start) & (along <= self.narrow.end)
+        away = np.linalg.norm(self.run.points[inner] - other.run.points[other.narrowest], axis=1)
+        is_lower = other.narrow.degree <= self.narrow.degree
+        wide = self.narrow.reference.at(along[inner]) if is_lower else self.run.diameter[inner]
+        return bool((away < wide / 2).any())
+
+    def continues(self, other: FoundNarrowing) -> bool:
+        """Whether another one is over where this one begins, and its vessel goes on in this one's.
+
+        It is over where half is regained, or where its vessel ends.
+        """
+        goes_on = self.run.is_onward or self.run.caliber >= SAME_CALIBER * other.healthy
+        if self.run.parent != other.vessel or not self.is_at_ostium or not goes_on:
+            return False
+        run, fork = other.run, self.run.along[0]
+        known = np.isfinite(run.diameter)
+        along, diameter = run.along[known], run.diameter[known]
+        beyond = along[along > other.narrow.end].min(initial=run.along[-1])
+        if not other.narrow.narrowest <= fork <= beyond:
+            return False
+        least = float(run.diameter[other.narrowest])
+        regained = (np.interp(fork, along, diameter) - least) / (other.healthy - least)
+        return bool(fork >= run.along[-1] or regained >= REGAINED)
+
+
+def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[FoundNarrowing]:
+    """The narrowings of some vessels, each once.
+
+    What is narrowest in the lumen of a vessel's own one, or in the healthy lumen of one of a higher
+    degree, is that: a vessel comes before its branches, which begin in its wall. But where it goes
+    on in a branch, the part of the higher degree is told.
+    """
+    every = [
+        FoundNarrowing(number, runs[number], narrow)
+        for number in asked
+        for narrow in narrowings(runs[number])
+    ]
+    pairs = [pair for pair in product(every, every) if pair[0].continues(pair[1])]
+    lower = {id(one) for one, above in pairs if one.narrow.degree < above.narrow.degree}
+    tighter = Counter(id(above) for one, above in pairs if id(one) not in lower)
+    # A throat from which several vessels go on still narrower is that of the one before.
+    lower |= {above for above, count in tighter.items() if count == 1}
+    kept: list[FoundNarrowing] = []
+    for one in sorted(every, key=lambda one: (one.run.generation, -one.narrow.degree)):
+        if id(one) not in lower and not any(other.holds(one) for other in kept):
+            kept.append(one)
+    return kept
