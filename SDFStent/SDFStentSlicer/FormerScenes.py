@@ -6,6 +6,7 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.plan import with_value
 
+from .ParameterNode import handleRole
 from .PlanFields import FLOW, METHOD, RANGES, STENT, USUAL, Placement
 
 COUNT = "stents.len"
@@ -19,7 +20,7 @@ TOLD = _(
 def takeOver(node):
     """Make the document of a parameter node that a former version has left; does nothing to another one.
 
-    Handles stay where they are: they were node references of the same roles.
+    Handles were node references of the same roles, behind which Slicer writes a number for the kind of node.
     """
     if not node.HasParameter(COUNT) or node.GetParameter("plan"):
         return
@@ -38,7 +39,14 @@ def takeOver(node):
     for name in former:
         if name.startswith(("stents.", "stent.", "method.")) or name in (*FLOW, *_OTHERS):
             node.UnsetParameter(name)
-    node.RemoveNodeReferenceIDs("stent.handle")
+    for role in (
+        role for number in range(len(stents)) for role in _formerRoles(handleRole(number))
+    ):
+        if node.GetNodeReferenceID(role):
+            node.SetNodeReferenceID(role.rpartition(".")[0], node.GetNodeReferenceID(role))
+            node.RemoveNodeReferenceIDs(role)
+    for role in ("stent.handle", *_formerRoles("stent.handle")):
+        node.RemoveNodeReferenceIDs(role)
     node.SetParameter("plan", json.dumps(document, ensure_ascii=False))
     node.takenOver = node.GetParameter("plan")  # kept as long as the node, and in no file
     node.EndModify(wasModified)
@@ -51,6 +59,10 @@ def toldOf(parameterNode):
 
 
 _OTHERS = ("planDocument", "flowWave", "flowInlets")
+
+
+def _formerRoles(role):
+    return [f"{role}.{kind}" for kind in range(2)]  # a point list, and a curve
 
 
 def _value(text, isNumber):

@@ -13,8 +13,11 @@ FORMER = json.loads((Path(__file__).parent / "former_scene.json").read_text(enco
 PARTS = ("inputs", "stents", "flow", "settings")
 
 
-def addFormer(scene, name, vessel, centerline):
-    """A parameter node as the former version has saved it; its name is that of the plan."""
+def addFormer(scene, name, vessel, centerline, isSlicers=False):
+    """A parameter node as the former version has saved it; its name is that of the plan.
+
+    Slicer itself adds the number of the node's kind to a role, which the stand-in does not.
+    """
     node = scene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
     node.UnRegister(None)
     node.SetName(name)
@@ -28,8 +31,9 @@ def addFormer(scene, name, vessel, centerline):
         handle = scene.AddNewNodeByClass(kind, label)
         for point in points:
             handle.AddControlPointWorld(*point)
-        node.SetNodeReferenceID(f"stents.{number}.handle", handle.GetID())
-    node.SetNodeReferenceID("stent.handle", handle.GetID())
+        kind = f".{int('Curve' in kind)}" if isSlicers else ""
+        node.SetNodeReferenceID(f"stents.{number}.handle{kind}", handle.GetID())
+    node.SetNodeReferenceID(f"stent.handle{kind}", handle.GetID())
     return node
 
 
@@ -37,6 +41,7 @@ def planIn(parameters):
     from SDFStentSlicer import Plans
 
     document = json.loads(Plans.textOf(parameters))
+    document["flow"]["right"] = None  # which a live deployment may have found by now
     return {part: document[part] for part in PARTS}
 
 
@@ -49,9 +54,9 @@ def rounded(value):
     return round(value, 6) if isinstance(value, float) else value
 
 
-@pytest.fixture
-def theFormerPlans(aScene, aVessel):
-    return {name: addFormer(aScene, name, *aVessel) for name in FORMER}
+@pytest.fixture(params=[False, True], ids=["page", "Slicer"])
+def theFormerPlans(aScene, aVessel, request):
+    return {name: addFormer(aScene, name, *aVessel, request.param) for name in FORMER}
 
 
 @pytest.mark.parametrize("name", FORMER)
