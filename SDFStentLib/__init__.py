@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from .stent import Stent as Stent
     from .stent import stent_axis as stent_axis
     from .treatment import Treatment as Treatment
+    from .treatment import extract_centerline as extract_centerline
     from .validation import DeploymentError as DeploymentError
     from .validation import InputError as InputError
     from .version import __version__ as __version__
@@ -70,7 +71,7 @@ _CONTENTS = {
     "report": "before_after_picture plan_report stent_rows write_report",
     "stent": "AlongAxis AtCenter AtDistalEnd AtLesion AtProximalEnd BetweenPoints Device OnBranch "
     "Stent stent_axis",
-    "treatment": "Treatment",
+    "treatment": "Treatment extract_centerline",
     "validation": "DeploymentError InputError",
     "version": "__version__",
     "vessel": "find_lesions lesion_after",

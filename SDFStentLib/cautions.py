@@ -19,6 +19,11 @@ _BESIDE = (
 )
 
 TEMPLATES = {
+    # Centerlines
+    "ends-apart": (
+        "Ends to which no lumen leads from the inlet: {count}. They belong to parts that hang "
+        "free, and no line leads there."
+    ),
     # Files
     "polygons-cut": (
         "{polygons} polygons or strips were cut into triangles, {triangles} triangles now."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
 import runpy
@@ -167,15 +166,6 @@ def assert_runs(folder, arguments, run=installed):
         assert (folder / arguments[arguments.index("-o") + 1]).exists(), arguments
 
 
-def assert_asks_for_vmtk(folder, arguments, run):
-    """Where VMTK cannot be had; where it is there, the command runs like all others."""
-    if importlib.util.find_spec("vmtk"):
-        return assert_runs(folder, arguments, run)
-    done = run(*arguments, folder=folder)
-    assert done.returncode == 2
-    assert "pip install" in done.stderr
-
-
 def assert_starts_and_ends(folder, arguments, run):
     """A page is offered, on a port that is free, until Ctrl-C; but once no page needs to come."""
     serving = pytest.importorskip("SDFStentApp.serving")
@@ -220,7 +210,6 @@ OTHERWISE = {
     # Meshes that are fine enough take a minute, and no solver is there.
     "simulate": assert_runs_coarsely,
     # VMTK is made for Python 3.12 and later.
-    "centerline": assert_asks_for_vmtk,
     # Somebody looks at the page as long as they like.
     "app": assert_starts_and_ends,
     # All others run in the folder that it has made.

@@ -130,7 +130,8 @@ def tube(tmp_path):
 
 def test_a_vmtk_that_ends_its_process_costs_a_sentence(tmp_path, tube):
     out, body = tmp_path / "lines.vtp", "import os; os.abort()"
-    run = command("centerline", tube, "--units", "cm", "-o", out, **pretended_vmtk(tmp_path, body))
+    words = ("centerline", tube, "--units", "cm", "-o", out, "--method", "vmtk")
+    run = command(*words, **pretended_vmtk(tmp_path, body))
     assert run.returncode == 2
     assert run.stderr.startswith("sdfstent centerline: no centerline found (VMTK ended with code")
     assert run.stderr.count("\n") == 1
@@ -139,7 +140,7 @@ def test_a_vmtk_that_ends_its_process_costs_a_sentence(tmp_path, tube):
 
 @pytest.mark.skipif(HAS_VMTK, reason="VMTK is installed")
 def test_without_vmtk_the_sentence_says_how_to_install_it(tmp_path, shell):
-    run = shell("centerline", "none.vtp", "-o", "lines.vtp", folder=tmp_path)
+    run = shell("centerline", "none.vtp", "-o", "l.vtp", "--method", "vmtk", folder=tmp_path)
     assert run.returncode == 2
     assert 'pip install "vmtk>=1.5"' in run.stderr
 

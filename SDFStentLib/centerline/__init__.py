@@ -4,6 +4,8 @@ vessel takes on."""
 from .branch_lumen import BranchLumen as BranchLumen
 from .branch_lumen import station_spacing as station_spacing
 from .centerline import Centerline as Centerline
+from .inner_balls import InnerBalls as InnerBalls
+from .inner_balls import inner_balls as inner_balls
 from .jagged import JAGGED as JAGGED
 from .jagged import zigzag as zigzag
 from .lumen_tree import SAME_CALIBER as SAME_CALIBER
@@ -17,3 +19,6 @@ from .root import WIDER as WIDER
 from .root import Widths as Widths
 from .stretches import Stretch as Stretch
 from .stretches import joined_lumens as joined_lumens
+from .widest_ways import ExtractedLines as ExtractedLines
+from .widest_ways import WidestWays as WidestWays
+from .widest_ways import with_places as with_places

@@ -72,27 +72,34 @@ def _file(read: SurfaceFile) -> dict[str, Any]:
 
 def centerline_command(options: argparse.Namespace, console: Console) -> int:
     """Write the centerlines from the inlet to every outlet."""
-    check_vmtk()
+    if options.method == "vmtk":
+        check_vmtk()
     check_line_output(options.output, VTK_LINE_SUFFIXES)
     outputs = Outputs([options.surface])
     outputs.add(options.output, lambda path: write_extracted_lines(path, lines, inputs.surface))
     inputs = read_input_files(options.surface, units=options.units)
     inlet = None if options.inlet is None else in_mm(options.inlet, options.units, "--inlet")
-    seeds = inputs.vessel.seeds(
-        inlet, [in_mm(end, options.units, "--outlet") for end in options.outlet]
-    )
+    outlets = [in_mm(end, options.units, "--outlet") for end in options.outlet]
     console.warn(inputs.warnings)
-    with console.progress("VMTK") as show:
+    with console.progress("Centerline") as show:
         show(0.0)
-        lines = extract_lines(seeds.surface, seeds.inlet, seeds.outlets)
+        if options.method == "vmtk":
+            seeds = inputs.vessel.seeds(inlet, outlets)
+            lines = extract_lines(*seeds)
+            ends = seeds.surface.points[[seeds.inlet, *seeds.outlets]]
+        else:
+            found = inputs.vessel.extracted(inlet, outlets)
+            lines = found.lines
+            ends = lines.points[[lines.lines[0][0], *(line[-1] for line in lines.lines)]]
+            console.warn(found.warnings)
     outputs.write()
-    units, ends = options.units, seeds.surface.points
+    units = options.units
     console.say(
-        f"Proximal is the end at {filed_point(ends[seeds.inlet], units)} {units}"
+        f"Proximal is the end at {filed_point(ends[0], units)} {units}"
         + (", the largest; --inlet X Y Z names another one." if inlet is None else ".")
     )
-    count = len(seeds.outlets)
+    count = len(lines.lines)
     console.say(f"{count} line{'s' * (count > 1)} to {options.output}, ending at")
-    for outlet in seeds.outlets:
-        console.say(f"  {filed_point(ends[outlet], units)} {units}")
+    for end in ends[1:]:
+        console.say(f"  {filed_point(end, units)} {units}")
     return 0

@@ -225,8 +225,8 @@ def _check(command: argparse.ArgumentParser) -> None:
 
 def _centerline(command: argparse.ArgumentParser) -> None:
     command.description = (
-        "The centerlines of a bare surface, from its inlet to every outlet, by VMTK "
-        "(https://vmtk.github.io). Ends are open or closed by flat caps."
+        "The centerlines of a bare surface, from its inlet to every outlet. Ends are open or "
+        "closed by flat caps."
     )
     add_table(command, SURFACE)
     add_table(command, "-o, --output F  VTP or VTK to write", required=True)
@@ -236,6 +236,12 @@ def _centerline(command: argparse.ArgumentParser) -> None:
 --inlet X Y Z  the end near this point is proximal (default: the largest)
 --outlet X Y Z ...  a line ends near this point; once or more (default: at every end)
 {UNITS}{TALK}""",
+    )
+    command.add_argument(
+        "--method",
+        choices=("own", "vmtk"),
+        default="own",
+        help="own needs no other package; vmtk is https://vmtk.github.io (default: own)",
     )
 
 

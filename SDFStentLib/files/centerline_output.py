@@ -11,13 +11,13 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
+from ..centerline import ExtractedLines
 from ..line_formats import LINE_SUFFIXES, VTK_LINE_SUFFIXES
 from ..units import Frame, flipped, millimeters_per
 from ..validation import InputError, Points, as_path, as_points, check_is_a
 from .atomic import check_writable, write_bytes
 from .centerline_files import LineFile
 from .content import header_text
-from .extraction import ExtractedLines
 from .formats import encode_legacy, encode_markups, encode_vtp, new_markups
 from .polydata import RADIUS_ARRAYS, add_arrays, polydata_from_lines, set_frame_of_polydata
 from .surface_files import SurfaceFile

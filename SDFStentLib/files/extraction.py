@@ -8,13 +8,13 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
+from ..centerline import ExtractedLines
 from ..geometry import Surface, median_edge, norm
 from ..interpreter import interpreter
-from ..validation import DeploymentError, Floats, Indices, InputError, Points
+from ..validation import DeploymentError, InputError, Points
 
 OLDEST_PYTHON = (3, 12)
 """Oldest Python for which the package `vmtk` is made."""
@@ -28,17 +28,6 @@ INSTALL = 'pip install "vmtk>=1.5"'
 
 REACHED = 0.1
 """Largest distance, mm, of a line's last point from the end that it leads to."""
-
-
-class ExtractedLines(NamedTuple):
-    """Lines from the inlet to every outlet, as VMTK gives them: they overlap upstream."""
-
-    points: Points
-    """(n, 3) points, mm."""
-    lines: tuple[Indices, ...]
-    """Point indices of each line from the inlet on, in the order of the outlets."""
-    inscribed_radius: Floats
-    """(n,) radius of the largest inscribed sphere, mm."""
 
 
 def check_vmtk() -> None:

@@ -9,6 +9,8 @@ from .lesions import TreatedLesion as TreatedLesion
 from .lesions import residual_of as residual_of
 from .lesions import treated_lesions as treated_lesions
 from .lesions import with_known_minima as with_known_minima
+from .own_lines import Extraction as Extraction
+from .own_lines import extract_centerline as extract_centerline
 from .places import Landmarks as Landmarks
 from .places import StentMiddle as StentMiddle
 from .places import nearest_place as nearest_place

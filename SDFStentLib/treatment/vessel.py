@@ -29,6 +29,7 @@ from ..vessel import (
     lumen_left,
     vessel_ends,
 )
+from .own_lines import Extraction, extract_centerline
 from .places import Landmarks, placement_in
 from .placing import healthy_vessel
 from .sizing import SizingWishes, Suggestion, suggested
@@ -165,6 +166,10 @@ class Vessel:
     def seeds(self, inlet: Points | None = None, outlets: Sequence[Points] = ()) -> LineSeeds:
         """`line_seeds` of its wall, to extract a centerline."""
         return line_seeds(self.surface, inlet, outlets)
+
+    def extracted(self, inlet: Points | None = None, outlets: Sequence[Points] = ()) -> Extraction:
+        """`extract_centerline` of its wall."""
+        return extract_centerline(self.surface, inlet, outlets)
 
     @property
     def landmarks(self) -> Landmarks:

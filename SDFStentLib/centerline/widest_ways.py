@@ -1,0 +1,146 @@
+"""Ways through a lumen from its inlet to its ends, each as far from the wall as it can be.
+
+A way costs its length over the radius of the balls that it leads through, so the cheapest one stays
+in the middle (Antiga and Steinman, 2004). All of them come from one search: they form a tree, for
+two ways that meet are the same from there to the inlet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import component_labels, norm
+from ..validation import Floats, Indices, Points
+from .inner_balls import InnerBalls
+
+NEAR = 32
+"""So many balls nearest to a place may be the one at which it is entered: some few beside a wall
+have no neighbors."""
+
+
+class ExtractedLines(NamedTuple):
+    """Lines from the inlet to every outlet, which overlap upstream."""
+
+    points: Points
+    """(n, 3) points, mm."""
+    lines: tuple[Indices, ...]
+    """Point indices of each line from the inlet on, in the order of the outlets."""
+    inscribed_radius: Floats
+    """(n,) radius of the largest inscribed sphere, mm."""
+
+
+def with_places(balls: InnerBalls, places: Points) -> InnerBalls:
+    """The balls, and behind them one for each place (k, 3), linked to the ball beside it."""
+    from scipy.spatial import cKDTree
+
+    labels = component_labels(len(balls.radii), balls.links[:, 0], balls.links[:, 1])
+    sizes = np.bincount(labels)
+    near = cKDTree(balls.centers).query(places, k=min(NEAR, len(balls.radii)))[1]
+    near = near.reshape(len(places), min(NEAR, len(balls.radii)))
+    beside = near[np.arange(len(places)), sizes[labels[near]].argmax(axis=1)]
+    own = len(balls.radii) + np.arange(len(places))
+    return InnerBalls(
+        np.vstack([balls.centers, places]),
+        np.concatenate([balls.radii, balls.radii[beside]]),
+        np.vstack([balls.links, np.column_stack([beside, own])]),
+    )
+
+
+class WidestWays:
+    """The ways from one ball to all others.
+
+    Parameters
+    ----------
+    balls : InnerBalls
+        Of a closed surface.
+    inlet : int
+        The ball at which ways begin.
+    """
+
+    def __init__(self, balls: InnerBalls, inlet: int) -> None:
+        self.balls, self.inlet = balls, inlet
+        one, other = balls.links.T
+        lengths = norm(balls.centers[one] - balls.centers[other])
+        costs = lengths * (1 / balls.radii[one] + 1 / balls.radii[other]) / 2
+        cost, self._former = _cheapest(balls.links, costs, len(balls.radii), inlet)
+        self.is_reached = np.isfinite(cost)
+
+    def to(self, ball: int) -> Indices:
+        """The balls (k,) of the way to one of them, from the inlet on."""
+        return _back(self._former, ball)[::-1]
+
+    def tree(self, ends: Sequence[int]) -> list[Indices]:
+        """The ways to some balls, parted: where they part the widest goes on, and others begin.
+
+        Each has its balls from the side of the inlet on, the first one of them a ball of the way
+        that it leaves. It comes after that way.
+        """
+        children: dict[int, list[int]] = {}
+        for end in ends:
+            way = self.to(end).tolist()
+            for above, below in pairwise(way):
+                under = children.setdefault(above, [])
+                if below not in under:
+                    under.append(below)
+        return list(_parted(self.inlet, children, self._widths(children)))
+
+    def _widths(self, children: dict[int, list[int]]) -> dict[int, float]:
+        """Of every ball of a tree the widest mean radius, by length, of a way that goes on."""
+        order = [self.inlet]
+        for ball in order:
+            order.extend(children.get(ball, ()))
+        beyond: dict[int, tuple[float, float]] = {}
+        for ball in reversed(order):
+            under = children.get(ball, [])
+            steps = norm(self.balls.centers[under] - self.balls.centers[ball])
+            areas = steps * self.balls.radii[under]
+            ways = [
+                (beyond[below][0] + area, beyond[below][1] + step)
+                for below, step, area in zip(under, steps.tolist(), areas.tolist(), strict=True)
+            ]
+            beyond[ball] = max(ways, key=_mean, default=(0.0, 0.0))
+        return {ball: _mean(value) for ball, value in beyond.items()}
+
+
+def _cheapest(links: Indices, costs: Floats, count: int, source: int) -> tuple[Floats, Indices]:
+    """The least cost of every one of so many balls from one of them, infinite where none leads
+    there, and the ball before it; negative where there is none."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import dijkstra
+
+    costs = np.maximum(costs, np.finfo(np.float64).tiny)  # zeros would be no links
+    graph = coo_array((costs, (links[:, 0], links[:, 1])), (count, count)).tocsr()
+    cost, former = dijkstra(graph, directed=False, indices=source, return_predecessors=True)
+    return cost, former
+
+
+def _back(former: Indices, ball: int) -> Indices:
+    """The balls (k,) from one back to where its way begins."""
+    found = [ball]
+    # Ends: the ways of a search have no circles.
+    while former[found[-1]] >= 0:
+        found.append(int(former[found[-1]]))
+    return np.array(found)
+
+
+def _mean(area_and_length: tuple[float, float]) -> float:
+    area, length = area_and_length
+    return area / length if length else 0.0
+
+
+def _parted(
+    inlet: int, children: dict[int, list[int]], widths: dict[int, float]
+) -> Iterator[Indices]:
+    waiting = [[inlet]]
+    for way in waiting:
+        # Ends with a tip of the tree.
+        while way[-1] in children:
+            above = way[-1]
+            first, *others = sorted(children[above], key=lambda ball: -widths[ball])
+            waiting.extend([above, other] for other in others)
+            way.append(first)
+        yield np.array(way)

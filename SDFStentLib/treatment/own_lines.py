@@ -1,0 +1,215 @@
+"""Centerlines of a bare surface: the widest ways through it, drawn onto inscribed spheres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..cautions import Caution
+from ..centerline import Centerline, ExtractedLines, WidestWays, inner_balls, with_places
+from ..geometry import Line, Surface, norm
+from ..lumen import inscribed_spheres
+from ..validation import (
+    DeploymentError,
+    Flags,
+    Floats,
+    Indices,
+    Points,
+    as_point,
+    coordinates,
+)
+from ..vessel import line_seeds
+
+STEP = 0.2
+"""Distance of two points of a line, in radii of the lumen."""
+
+SMOOTHED = 20
+"""How often a point goes half way to the middle between its neighbors: evens out what is shorter
+than half a diameter or so."""
+
+AGAIN = 1
+"""The same for the centers of spheres, which are exact but for the triangles of the wall."""
+
+ASIDE = 0.5
+"""A sphere whose center is farther aside, in its radii, is that of another place."""
+
+
+class Extraction(NamedTuple):
+    """Centerlines of a bare surface, and what there is to say of them."""
+
+    lines: ExtractedLines
+    warnings: tuple[Caution, ...]
+
+    @property
+    def centerline(self) -> Centerline:
+        """The lines as a tree whose root is the inlet."""
+        points, lines, radii = self.lines
+        return Centerline.from_lines(points, lines, radii, inlet=points[lines[0][0]])
+
+
+def extract_centerline(
+    surface: Surface, inlet: ArrayLike | None = None, outlets: Sequence[ArrayLike] = ()
+) -> Extraction:
+    """Centerlines from the inlet of a vessel to every other end, of nothing but its surface.
+
+    The wall's points give the largest balls inside (`inner_balls`). The ways between them that cost
+    least, by length over radius, are smoothed, and each of their points moves to the center of the
+    largest sphere in its plane.
+
+    Parameters
+    ----------
+    surface : Surface
+        mm; its ends are open or closed by flat caps.
+    inlet : array_like, shape (3,), optional
+        Names the proximal end, mm; by default the largest.
+    outlets : sequence of array_like, shape (3,), optional
+        Name the other ends; all that are found by default. A place away from every open end and
+        flat cap stands for the point of the wall beside it, such as the tip of a rounded end.
+
+    Raises
+    ------
+    InputError
+        There are not two ends, or one is named that is not there.
+    DeploymentError
+        The lumen does not lead from the inlet to an end that was named, or to none at all.
+    """
+    start = None if inlet is None else as_point(inlet, "inlet")
+    seeds = line_seeds(surface, start, [as_point(outlet, "outlet") for outlet in outlets])
+    places = seeds.surface.points[[seeds.inlet, *seeds.outlets]]
+    balls = with_places(inner_balls(seeds.surface), places)
+    first, *ends = (len(balls.radii) - len(places) + np.arange(len(places))).tolist()
+    ways = WidestWays(balls, first)
+    reached = [end for end in ends if ways.is_reached[end]]
+    apart = [end for end in ends if not ways.is_reached[end]]
+    if apart and (len(outlets) or not reached):
+        raise DeploymentError(
+            "no centerline found: the lumen does not lead to the end at "
+            f"{coordinates(balls.centers[apart[0]])} mm; look for holes and folds with sdfstent "
+            "check."
+        )
+    drawn = _Drawing(ways.tree(reached), balls.centers, balls.radii)
+    triangles = seeds.surface.wound_triangles
+    # The middles of ends are new points; nothing shall limit the spheres there.
+    is_new = np.asarray(~np.isin(seeds.surface.points, surface.points).all(axis=1))
+    drawn.onto_spheres(seeds.surface.points, triangles[~is_new[triangles].any(axis=1)])
+    lines = tuple(drawn.line_to(end) for end in reached)
+    warnings = (Caution("ends-apart", {"count": len(apart)}),) if apart else ()
+    return Extraction(ExtractedLines(drawn.points, lines, drawn.radii), warnings)
+
+
+class _Drawing:
+    """Stations along the ways of a tree: those of one way after those of another."""
+
+    def __init__(self, tree: list[Indices], centers: Points, radii: Floats) -> None:
+        self._station_of: dict[int, int] = {}
+        self._ranges: list[tuple[int, int]] = []
+        """Of every way its first station and the one behind its last."""
+        self._begins: list[int] = []
+        """The station of another way at which each begins, -1 at the inlet."""
+        points: list[Points] = []
+        widths: list[Floats] = []
+        self._at = np.empty(0)
+        for way in tree:
+            start = sum(map(len, points))
+            begin = self._station_of.get(int(way[0]), -1)
+            own = way[_free_of_ends(centers[way], radii[way], begin < 0)]
+            place, width, at = _evenly(centers[own], radii[own])
+            stations = start + np.arange(len(place)) - (begin >= 0)
+            if begin >= 0:
+                place, width, stations[0] = place[1:], width[1:], begin
+            points.append(place)
+            widths.append(width)
+            self._begins.append(begin)
+            self._ranges.append((start, start + len(place)))
+            for ball, number in zip(own.tolist(), at.tolist(), strict=True):
+                self._station_of.setdefault(ball, int(stations[number]))
+            for ball in way.tolist():  # those left out at the ends
+                if ball not in self._station_of:
+                    beside = own[norm(centers[own] - centers[ball]).argmin()]
+                    self._station_of[ball] = self._station_of[int(beside)]
+        self.points, self.radii = np.vstack(points), np.concatenate(widths)
+        self._smooth(SMOOTHED)
+
+    def line_to(self, ball: int) -> Indices:
+        """The stations of the line to a ball, from the inlet on."""
+        found: list[Indices] = []
+        station = self._station_of[ball]
+        # Ends: each way begins at one before it, the first at the inlet.
+        while station >= 0:
+            number = next(n for n, (_, stop) in enumerate(self._ranges) if station < stop)
+            start = self._ranges[number][0]
+            found.append(np.arange(start, station + 1))
+            station = self._begins[number]
+        return np.concatenate(found[::-1])
+
+    def onto_spheres(self, points: Points, triangles: Indices) -> None:
+        """Move the stations to the centers of the largest spheres in their planes."""
+        directions = self._directions()
+        found = inscribed_spheres(points, triangles, self.points, directions)
+        aside = norm(found.centers - self.points)
+        is_own = (aside < ASIDE * found.radii) & ~self._within_junctions() & ~self._at_ends()
+        is_own &= found.radii < 2 * self.radii
+        self.points[is_own] = found.centers[is_own]
+        known = is_own | (self._at_ends() & np.isfinite(found.radii))
+        self.radii[known] = found.radii[known]
+        self._smooth(AGAIN)
+
+    def _smooth(self, times: int) -> None:
+        for begin, (start, stop) in zip(self._begins, self._ranges, strict=True):
+            inlet = self.points[[begin]] if begin >= 0 else np.empty((0, 3))
+            line = np.vstack([inlet, self.points[start:stop]])
+            for _ in range(times):
+                line[1:-1] += (line[:-2] - 2 * line[1:-1] + line[2:]) / 4
+            self.points[start:stop] = line[len(inlet) :]
+
+    def _directions(self) -> Points:
+        found = np.empty_like(self.points)
+        for begin, (start, stop) in zip(self._begins, self._ranges, strict=True):
+            before = self.points[[begin]] if begin >= 0 else np.empty((0, 3))
+            line = Line(np.vstack([before, self.points[start:stop]]))
+            found[start:stop] = line.directions[len(before) :]
+        return found
+
+    def _within_junctions(self) -> Flags:
+        """Stations within the lumen of the way that theirs has left."""
+        found = np.zeros(len(self.points), dtype=bool)
+        for begin, (start, stop) in zip(self._begins, self._ranges, strict=True):
+            if begin >= 0:
+                away = norm(self.points[start:stop] - self.points[begin])
+                is_beyond = away > self.radii[begin]
+                count = int(is_beyond.argmax()) if is_beyond.any() else len(away)
+                found[start : start + count] = True
+        return found
+
+    def _at_ends(self) -> Flags:
+        found = np.zeros(len(self.points), dtype=bool)
+        for begin, (start, stop) in zip(self._begins, self._ranges, strict=True):
+            found[stop - 1] = True
+            found[start] |= begin < 0
+        return found
+
+
+def _free_of_ends(centers: Points, radii: Floats, has_inlet: bool) -> Indices:
+    """The balls of a way but those that touch what closes its ends; these stay themselves."""
+    touches = norm(centers - centers[-1]) < 1.05 * radii
+    if has_inlet:
+        touches |= norm(centers - centers[0]) < 1.05 * radii
+    touches[[0, -1]] = False
+    return np.flatnonzero(~touches)
+
+
+def _evenly(centers: Points, radii: Floats) -> tuple[Points, Floats, Indices]:
+    """Places `STEP` radii apart along a way, the radii there, and the place next to every ball."""
+    pieces = norm(np.diff(centers, axis=0))
+    along = np.concatenate([[0.0], np.cumsum(pieces * (1 / radii[:-1] + 1 / radii[1:]) / 2)])
+    count = max(3, int(np.ceil(along[-1] / STEP)))
+    at = np.linspace(0.0, along[-1], count + 1)
+    places = np.column_stack([np.interp(at, along, one) for one in centers.T])
+    return (
+        places,
+        np.interp(at, along, radii),
+        np.rint(along / max(at[1], np.finfo(float).tiny)).astype(np.int64),
+    )
