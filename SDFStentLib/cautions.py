@@ -19,11 +19,7 @@ _BESIDE = (
 )
 
 TEMPLATES = {
-    # Centerlines
-    "ends-apart": (
-        "Ends to which no lumen leads from the inlet: {count}. They belong to parts that hang "
-        "free, and no line leads there."
-    ),
+    "ends-apart": "Ends of parts that hang free: {count}. No line leads there.",
     # Files
     "polygons-cut": (
         "{polygons} polygons or strips were cut into triangles, {triangles} triangles now."

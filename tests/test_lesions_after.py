@@ -16,7 +16,8 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import inscribed_spheres, measured_at, moved_wall
-from SDFStentLib.report import document_json, residual_facts, summary
+from SDFStentLib.report import document_json, residual_facts
+from SDFStentLib.report.branches import branches_fact
 from SDFStentLib.report.lesions import stent_lesion_sentences, treated_lesion_facts
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Residual, TreatedLesion, Treatment, residual_of, treated_lesions
@@ -130,8 +131,7 @@ def test_the_summary_names_a_branch_whose_lumen_is_not_known():
         axis=SimpleNamespace(deployed_length=10.0),
         again=None,
     )
-    told = summary._branches([beside])
-    assert told == "Branches: 1 with a lumen that is not known: branch 2."
+    assert branches_fact([beside]).words == "Branches: 1 with a lumen that is not known: branch 2."
 
 
 # Lesions beside a treatment stay what they are, and are not measured again.
