@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 
 import numpy as np
 import pytest
@@ -12,16 +13,16 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from trees import unbranched
 
-from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
+from benchmarks.phantoms import stenosed_tube
 from benchmarks.phantoms.field import Rim
 from benchmarks.phantoms.junction import _rim_loop
 from SDFStentLib.__main__ import ONE_THREAD
 from SDFStentLib.cli import main
-from SDFStentLib.cli.demo import _written_patient
 from SDFStentLib.geometry import Line, SurfaceIndex, closest_on_segments, product, tightest_bend
 from SDFStentLib.geometry.line import PAIRS_PER_BLOCK
 from SDFStentLib.lumen import LocalSurface
 from SDFStentLib.lumen.spheres import climb, inscribed
+from SDFStentLib.samples import sample
 from SDFStentLib.validation import InputError
 
 CORNER = np.array([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])
@@ -114,7 +115,10 @@ print([os.environ[name] for name in {ONE_THREAD}])
 def the_patient(tmp_path_factory):
     """A folder with the surface and the centerline of the demo."""
     folder = tmp_path_factory.mktemp("loops")
-    _written_patient(branching_pulmonary_artery(), folder)
+    for path, name in zip(
+        sample("branching_pulmonary_artery"), ("surface", "centerline"), strict=True
+    ):
+        shutil.copy(path, folder / f"{name}.vtp")
     return folder
 
 

@@ -68,13 +68,17 @@ def test_signs_of_lesions_do_not_lie_on_each_other_as_they_are_seen(theModule, s
 
 @pytest.fixture
 def marks(host):
-    """Of lesions in the view of the application, which shows no line of text yet."""
+    """Of lesions in the view of the application, of one size, which shows no line of text yet."""
     from SDFStentSlicer.LesionMarks import LesionMarks
     from SDFStentSlicer.PanelState import AtHand
 
     slicer.app.showMainWindow(True)
+    window = host.application.view.window
+    former = window.GetSize()
+    window.SetSize(900, 675)
     made = LesionMarks()
     yield made
+    window.SetSize(*former)
     made.show(())
     AtHand().show("")
     slicer.app.showMainWindow(False)
@@ -107,7 +111,6 @@ DIRECTIONS = [(0.0, -1.0, 0.15), (1.0, 0.2, 0.1), (-0.4, 1.0, 0.3), (0.6, -0.6, 
 @pytest.mark.parametrize("size", [(900, 675), (392, 310)])
 def test_signs_stay_apart_when_the_view_is_turned_and_resized(host, marks, size):
     view, rng = host.application.view, np.random.default_rng(5201)
-    former = view.window.GetSize()
     lesions = [
         aLesion(rng.uniform(-30, 30, 3), rng.normal(size=3), rng.uniform(3, 5)) for _n in range(8)
     ]
@@ -119,7 +122,6 @@ def test_signs_stay_apart_when_the_view_is_turned_and_resized(host, marks, size)
         boxes = signsIn(view, marks)
         for number, box in enumerate(boxes):
             assert all(areApart(box, other) for other in boxes[:number]), (direction, number)
-    view.window.SetSize(*former)
 
 
 def test_signs_that_lie_on_nothing_stay(host, marks):

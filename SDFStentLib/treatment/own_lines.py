@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..cautions import Caution
 from ..centerline import Centerline, ExtractedLines, WidestWays, inner_balls, with_places
-from ..geometry import Line, Surface, norm
+from ..geometry import Line, Surface, as_surface, norm
 from ..lumen import inscribed_spheres
 from ..validation import (
     DeploymentError,
@@ -76,6 +76,7 @@ def extract_centerline(
     DeploymentError
         The lumen does not lead from the inlet to an end that was named, or to none at all.
     """
+    surface = as_surface(surface)
     start = None if inlet is None else as_point(inlet, "inlet")
     seeds = line_seeds(surface, start, [as_point(outlet, "outlet") for outlet in outlets])
     places = seeds.surface.points[[seeds.inlet, *seeds.outlets]]

@@ -82,6 +82,8 @@ class App:
 
     def showMainWindow(self, shown):
         """Have a layout manager, or none; `window` is the main window, if a test makes one."""
+        if self._layoutManager is not None:
+            self._layoutManager.close()
         self._layoutManager = LayoutManager(self._application) if shown else None
 
     def settings(self):
@@ -110,6 +112,11 @@ class LayoutManager:
         self._widgets = [_threeDWidget(view.window)]
         view = self._widgets[0].threeDView()
         application.view.renderer.AddViewProp(view.cornerAnnotation())
+
+    def close(self):
+        """Draw no more what was in the corners of its views."""
+        corner = self._widgets[0].threeDView().cornerAnnotation()
+        self._application.view.renderer.RemoveViewProp(corner)
 
     @property
     def threeDViewCount(self):
