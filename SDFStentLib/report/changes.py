@@ -246,7 +246,10 @@ def output_facts(path: Path) -> Facts:
         )
     states = {name: _state(path.parent / name, found) for name, found in known.items()}
     others = [f"{name} is {state}" for name, state in states.items() if state != AS_WRITTEN]
-    words = f"{path.name}: all {len(states)} files are as they were written with it."
+    which = (
+        f"all {len(states)} files are as they were" if len(states) > 1 else "its file is as it was"
+    )
+    words = f"{path.name}: {which} written with it."
     if others:
         words = (
             f"{path.name}: {'; '.join(others)}: the run was cut off, or something was changed "
