@@ -231,6 +231,9 @@ class Page:
     def attempt(self, action: Callable[[], Any]) -> Any:
         """Do what the user asks for; if that fails, say why in the page."""
         self.say("")
+        return self._tried(action)
+
+    def _tried(self, action: Callable[[], Any]) -> Any:
         try:
             return action()
         except Exception as error:
@@ -264,7 +267,7 @@ class Page:
         """Tell a table that the mouse is on a row, or with -1 on none."""
         widget = self.panel.widgets.get(name)
         if isinstance(widget, Table) and type(row) is int:
-            self.attempt(partial(widget.hover, row))
+            self._tried(partial(widget.hover, row))  # what is said stays: nothing was asked for
 
     def key(self, name: str, key: str) -> None:
         """Press a key, in Qt's name for it, in a widget."""
