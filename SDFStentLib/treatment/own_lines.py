@@ -112,7 +112,6 @@ class _Drawing:
         """The station of another way at which each begins, -1 at the inlet."""
         points: list[Points] = []
         widths: list[Floats] = []
-        self._at = np.empty(0)
         for way in tree:
             start = sum(map(len, points))
             begin = self._station_of.get(int(way[0]), -1)
@@ -151,28 +150,31 @@ class _Drawing:
         directions = self._directions()
         found = inscribed_spheres(points, triangles, self.points, directions)
         aside = norm(found.centers - self.points)
-        is_own = (aside < ASIDE * found.radii) & ~self._within_junctions() & ~self._at_ends()
+        is_end = self._at_ends()
+        is_own = (aside < ASIDE * found.radii) & ~self._within_junctions() & ~is_end
         is_own &= found.radii < 2 * self.radii
         self.points[is_own] = found.centers[is_own]
-        known = is_own | (self._at_ends() & np.isfinite(found.radii))
+        known = is_own | (is_end & np.isfinite(found.radii))
         self.radii[known] = found.radii[known]
         self._smooth(AGAIN)
 
     def _smooth(self, times: int) -> None:
         for begin, (start, stop) in zip(self._begins, self._ranges, strict=True):
-            inlet = self.points[[begin]] if begin >= 0 else np.empty((0, 3))
-            line = np.vstack([inlet, self.points[start:stop]])
+            line = self._line(begin, start, stop)
             for _ in range(times):
                 line[1:-1] += (line[:-2] - 2 * line[1:-1] + line[2:]) / 4
-            self.points[start:stop] = line[len(inlet) :]
+            self.points[start:stop] = line[start - stop :]
 
     def _directions(self) -> Points:
         found = np.empty_like(self.points)
         for begin, (start, stop) in zip(self._begins, self._ranges, strict=True):
-            before = self.points[[begin]] if begin >= 0 else np.empty((0, 3))
-            line = Line(np.vstack([before, self.points[start:stop]]))
-            found[start:stop] = line.directions[len(before) :]
+            found[start:stop] = Line(self._line(begin, start, stop)).directions[start - stop :]
         return found
+
+    def _line(self, begin: int, start: int, stop: int) -> Points:
+        """The places of a way, behind that at which it leaves another one."""
+        stations = np.arange(start, stop)
+        return self.points[np.append(begin, stations) if begin >= 0 else stations]
 
     def _within_junctions(self) -> Flags:
         """Stations within the lumen of the way that theirs has left."""
