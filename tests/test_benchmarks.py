@@ -46,7 +46,7 @@ def assert_is_table(text):
 def test_in_a_tree_without_narrowings_none_is_invented():
     """Trees with some are judged in `test_tree_bench.py` and `test_phantoms.py`."""
     bench = benchmark("trees.bench")
-    found = bench.summary([bench.of_number(1, 24, bench.DATA_FOLDER)])
+    found = bench.summary([bench.of_number(1, 24, benchmark("sweep").DATA_FOLDER)])
     assert_is_table(bench.table({"seed": 1, "makings": {"made": found}}))
     whole = found["rows"][-1]
     assert (whole["trees"], whole["narrowings"]) == (1, 0)
