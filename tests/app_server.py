@@ -1,7 +1,5 @@
 """`sdfstent app` as a process of its own, for tests."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

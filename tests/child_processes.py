@@ -1,7 +1,5 @@
 """Helpers to start processes and to wait for them, so that all of them can be interrupted."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """Small cohorts that the tests share: stents in a stenosed tube, and in one of twice its size."""
 
-from __future__ import annotations
-
 import json
 import os
 import time

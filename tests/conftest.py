@@ -1,7 +1,5 @@
 """Fixtures of all test files, and the optional real anatomies."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Vessels and stents that the tests of the engine share."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple

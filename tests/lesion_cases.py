@@ -1,7 +1,5 @@
 """Random vessels with known lesions, for the tests of their detection."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Small meshes as polydata and files, shared by the tests of reading and writing."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader

@@ -6,8 +6,6 @@ Nothing in here is skipped, culled, windowed or stored between steps, and nothin
 the library.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Rays, centers, expected wall and openings are all computed in another way than i
 the definition is common. Slow on purpose.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Measuring in the plain way, station by station, as a reference for the fast way."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import linprog
 

@@ -1,7 +1,5 @@
 """Random polydata of every kind, and the files and results of VTK's own writers and readers."""
 
-from __future__ import annotations
-
 import numpy as np
 from vtkmodules import vtkCommonCore
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy

@@ -1,7 +1,5 @@
 """The number of random cases that a test tries."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """Any lines of a vessel make one tree: pieces in any order and direction, with gaps, loops."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from seeds import seeds

@@ -1,7 +1,5 @@
 """What a browser says of the view: no size and no event, however wrong, harms a page."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Surfaces that Slicer does not read, or not with their faces, in the scene of a page."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """When frames are drawn: coarse while something moves, one at a time, then a sharp one."""
 
-from __future__ import annotations
-
 import asyncio
 
 import numpy as np

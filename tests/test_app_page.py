@@ -1,7 +1,5 @@
 """The page of `sdfstent app` in a real browser: the synthetic patient treated by clicks."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json

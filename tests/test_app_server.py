@@ -1,7 +1,5 @@
 """The server of `sdfstent app`: whom it answers, what it opens, and that nothing is left of it."""
 
-from __future__ import annotations
-
 import asyncio
 import http.client
 import os

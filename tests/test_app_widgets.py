@@ -1,7 +1,5 @@
 """The panel's `.ui` file as values: its ends, words and order, and junk from a browser."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """From the balloon to the lumen, what a stent keeps when it shortens, and the same stent again."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

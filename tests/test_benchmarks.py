@@ -1,7 +1,5 @@
 """A small part of every benchmark that needs nothing but what the tests need."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import sys

@@ -1,7 +1,5 @@
 """The distance field of a stent, against the plain fold of the paper and closed forms."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Centerlines: every form of file, trees with closed forms, identities, degenerate input."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

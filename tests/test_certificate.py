@@ -1,7 +1,5 @@
 """Certificates of spheres that are dented, folded, opened and flattened in known ways."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Outputs appear together or not at all, and never over each other or over an input."""
 
-from __future__ import annotations
-
 import os
 import signal
 from contextlib import suppress

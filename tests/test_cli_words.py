@@ -1,7 +1,5 @@
 """What the command says of a deployment and of a vessel: little, what matters first."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Meshes too coarse for a stent: the lumen is reached, or said where it is not, and what to do."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the examples and the document of cohorts show is run here, and a treatment as flat rows."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

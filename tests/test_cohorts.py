@@ -1,7 +1,5 @@
 """Cohorts: what is stored, that it is the same on every executor, tables, and arrays."""
 
-from __future__ import annotations
-
 import csv
 import gzip
 import json

@@ -1,7 +1,5 @@
 """Triangles that lost their height, one-sided surfaces and narrow lumens, as the command tells."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Several plans of one patient side by side: each column is what the plan's own run tells."""
 
-from __future__ import annotations
-
 import json
 import re
 import runpy

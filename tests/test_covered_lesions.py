@@ -1,7 +1,5 @@
 """A stent that was placed at a lesion treats it, and what is narrowest is one number everywhere."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

@@ -1,7 +1,5 @@
 """Devices: their table, what follows from their numbers, and what is refused for want of one."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import fields
 from pathlib import Path

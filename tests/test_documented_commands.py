@@ -1,7 +1,5 @@
 """Every command line that the documents show, run once: each command once as the installed one."""
 
-from __future__ import annotations
-
 import json
 import re
 import runpy

@@ -1,7 +1,5 @@
 """The step rule that resolves contact events: near the converged limit with long steps."""
 
-from __future__ import annotations
-
 import numpy as np
 import oracle
 import pytest

@@ -1,7 +1,5 @@
 """`sdfstent extract`: the files of a segment, as SimVascular's solvers read them."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Facts: a quantity that is listed once is told everywhere."""
 
-from __future__ import annotations
-
 import math
 from html import unescape
 

@@ -1,7 +1,5 @@
 """The fast ways of measuring agree with plain ones, on phantoms and on anatomies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from deployment_cases import ONE_ANATOMY, VESSELS, vessel_named

@@ -1,7 +1,5 @@
 """Files as bytes: their names, frames and numbers, and how they are written whole or not at all."""
 
-from __future__ import annotations
-
 import os
 import stat
 

@@ -1,7 +1,5 @@
 """A vessel without a lesion has a drop along it, and that is told."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """What the user calls vessels comes first, wherever they are spoken of."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Vessels and stents as nobody would draw them: certified, or refused with the place named."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

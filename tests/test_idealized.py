@@ -1,7 +1,5 @@
 """Idealized tubes, a few of the bench: none refused, every narrowing told once and as it is."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What must hold for every deployment, whatever the numbers."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import product
 from typing import NamedTuple

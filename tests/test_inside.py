@@ -1,7 +1,5 @@
 """What lies inside of a surface: open or closed, in whatever winding, wherever its corners are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube

@@ -1,7 +1,5 @@
 """The detector against exact rational arithmetic, by construction, and against MeshLab."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 

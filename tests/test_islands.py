@@ -1,7 +1,5 @@
 """Closed parts that float in the lumen: they narrow it, and no stent minds them."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

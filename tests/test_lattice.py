@@ -1,7 +1,5 @@
 """A stent to look at: where its struts are, how many, how they are joined, and no twist."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The house: rooms on floors, no circles, tables of contents, and no application in the library."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import re

@@ -1,7 +1,5 @@
 """Lesions on the command line: as `measure` lists them, and as `deploy` treats them."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

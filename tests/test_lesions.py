@@ -1,7 +1,5 @@
 """Lesions: all that are there, none that are not, and the same numbers whatever is tried."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """What is told of lesions once a wall has moved past their line, or beside it."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

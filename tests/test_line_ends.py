@@ -1,7 +1,5 @@
 """Lines that begin at the rim or at the wall of a vessel: nothing narrow is made up of them."""
 
-from __future__ import annotations
-
 import json
 from functools import lru_cache
 

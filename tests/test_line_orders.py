@@ -1,7 +1,5 @@
 """Lines of one vessel in any order and direction: the commands tell and do the same."""
 
-from __future__ import annotations
-
 import json
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Polylines, rows of vectors and loops: closed forms, identities and degenerate input."""
 
-from __future__ import annotations
-
 import os
 import shutil
 
@@ -14,8 +12,6 @@ from hypothesis.extra.numpy import arrays
 from trees import unbranched
 
 from benchmarks.phantoms import stenosed_tube
-from benchmarks.phantoms.field import Rim
-from benchmarks.phantoms.junction import _rim_loop
 from SDFStentLib.__main__ import ONE_THREAD
 from SDFStentLib.cli import main
 from SDFStentLib.geometry import Line, SurfaceIndex, closest_on_segments, product, tightest_bend
@@ -162,13 +158,6 @@ def test_a_local_surface_misses_nothing_of_the_whole_one(seed):
             np.testing.assert_array_equal(*corners)
         exact = whole.distances(queries).distance
         np.testing.assert_allclose(local.distances(queries), exact, rtol=1e-14, atol=0)
-
-
-def test_a_rim_that_meets_itself_is_refused():
-    rim = Rim(np.zeros(3), np.array([0.0, 0, 1]), 1.0)
-    triangles = np.array([[0, 1, 2], [2, 3, 4], [4, 5, 6]])
-    with pytest.raises(InputError, match="edge_length: expected rims that are one loop each"):
-        _rim_loop(np.zeros((7, 3)), triangles, rim)
 
 
 @pytest.mark.parametrize(("length", "spacing"), [(1e6, 1e-20), (1.0, 1e-320), (20.001, 1e-3)])

@@ -1,7 +1,5 @@
 """Inputs of unusual size or form: done in time that goes with their size, or refused at once."""
 
-from __future__ import annotations
-
 import json
 import time
 

@@ -1,7 +1,5 @@
 """From the last step to the prescribed lumen."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """300,000 triangles through the command line in less than 500 MB."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

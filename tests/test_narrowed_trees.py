@@ -1,7 +1,5 @@
 """Trees of a patient's radii that others narrowed: each narrowing once, as it is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Which part of which ostium lies under a stent: against plain ray casting, and in closed form."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """A run that is killed leaves files that are whole, and what is of two runs is told."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

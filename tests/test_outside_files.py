@@ -1,7 +1,5 @@
 """Surfaces as other programs write them: grids, pieces, steps of time, VTKHDF, OFF, images."""
 
-from __future__ import annotations
-
 import gzip
 import re
 import struct

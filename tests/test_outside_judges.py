@@ -1,7 +1,5 @@
 """MeshLab and TetGen judge deployed surfaces: they share no code with the engine."""
 
-from __future__ import annotations
-
 import io
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Centerlines of nothing but a surface, against the axes of phantoms and lines of other makers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial import Delaunay, cKDTree

@@ -1,7 +1,5 @@
 """Synthetic vessels: surfaces that any mesher takes, and truths in closed form."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The picture for the heart team: what it shows, from where, and what happens without OpenGL."""
 
-from __future__ import annotations
-
 import os
 import stat
 import sys

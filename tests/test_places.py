@@ -250,13 +250,10 @@ def test_a_stent_without_a_place_is_kept_when_off_and_refused_when_on(folder, tm
         treatment_of(replace(plan, stents=(on, replace(off, enabled=True))), inputs)
 
 
-def test_a_place_of_a_vessel_needs_its_centerline_and_a_length(folder):
+def test_a_place_of_a_vessel_needs_its_centerline(folder):
     inputs = read_input_files(folder / "wall.vtp")
     with pytest.raises(InputError, match="expected a centerline for a place at a lesion or on a"):
         treatment_of(Plan(stents=[Stent(6.0, placement=AtLesion(1), length=9.0)]), inputs)
-    for placement in (AtLesion(1), OnBranch(1, 2.0)):
-        with pytest.raises(InputError, match="expected a length in mm for a placement by one"):
-            Stent(6.0, placement=placement)
 
 
 def test_the_same_stent_is_redilated_where_it_lies(folder, tmp_path):

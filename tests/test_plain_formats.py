@@ -1,7 +1,5 @@
 """Surfaces as PLY, OBJ and STL: what is read, what comes back, and what is none."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from mesh_files import octahedron

@@ -1,7 +1,5 @@
 """No sentence tells a number with an exponent, a signed zero, or a width of nothing."""
 
-from __future__ import annotations
-
 import re
 import string
 

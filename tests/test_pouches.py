@@ -1,7 +1,5 @@
 """What a covered opening is called that leads to no end of the model, of shapes in closed form."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

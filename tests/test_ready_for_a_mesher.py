@@ -1,7 +1,5 @@
 """What was never fit for a mesher is not certified, whatever a stent leaves as it was."""
 
-from __future__ import annotations
-
 import json
 import re
 

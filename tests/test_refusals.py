@@ -1,7 +1,5 @@
 """What each command refuses: one sentence that names what was expected, and nothing is written."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import shutil

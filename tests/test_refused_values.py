@@ -3,8 +3,6 @@
 Sizes that the shell or a plan refuses are in test_refusals.py and test_plan.py.
 """
 
-from __future__ import annotations
-
 import contextlib
 import inspect
 import sys
@@ -18,19 +16,28 @@ from test_devices import a_device
 import SDFStentLib
 from benchmarks import phantoms
 from benchmarks.phantoms.axis import planar_axis
+from benchmarks.phantoms.field import Rim
+from benchmarks.phantoms.junction import _rim_loop
 from SDFStentLib.cautions import Caution
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli.console import Console, error_line
 from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.files import encode_vtp, polydata_from_arrays, surface_from_polydata
+from SDFStentLib.files.polydata import polydata_from_polygons
 from SDFStentLib.flow import known_flow
 from SDFStentLib.geometry import Line, Precision, Surface, carried, tightest_bend
+from SDFStentLib.lumen import displacements, rough_radii
+from SDFStentLib.plan import Plan, plan_text
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
     AtDistalEnd,
+    AtLesion,
     Balloon,
     BetweenPoints,
+    InputFile,
     LatticeDesign,
+    OnBranch,
     Shape,
     Stent,
     StentEnd,
@@ -40,11 +47,13 @@ from SDFStentLib.stent import (
     straight_way,
 )
 from SDFStentLib.stent.lattice import straight_lattice
+from SDFStentLib.treatment import Preview
 from SDFStentLib.validation import InputError, as_number, one_line
 
 PLACE, ENDS = AtCenter([0.0, 0, 50]), BetweenPoints([0, 0, 0], [0, 0, 9])
 CORNER = Line([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])
 THREE, ONE_LINE, ONES = np.eye(3), [[0, 1]], [1, 1, 1]
+FACES = THREE, [[0, 1, 2], [0, 2, 1]]
 FORK = Centerline([[0.0, 0, 0], [0, 0, 9], [4, 0, 15], [-4, 0, 15]], [5.0] * 4, [-1, 0, 1, 1])
 
 
@@ -71,6 +80,12 @@ def settled(**changes):
     return DeploymentSettings().with_changes(**changes)
 
 
+def of_cells(offsets, corners):
+    """The surface of some polygons among four points."""
+    polydata = polydata_from_polygons(np.zeros((4, 3)), np.array(offsets), np.array(corners, int))
+    return surface_from_polydata(polydata, "vein")
+
+
 def stored(points=THREE, **values):
     return Precision(**values).stored(points)
 
@@ -79,6 +94,8 @@ GROUPS = {
     "stents": {
         "stent diameter: .* got 'x'": lambda: a_stent("x"),
         "expected a length in mm for a placement by one": lambda: a_stent(length=None),
+        "a length in mm for a placement by one": lambda: a_stent(6, None, AtLesion(1)),
+        "length in mm for a placement by one": lambda: a_stent(6, None, OnBranch(1, 2.0)),
         "stent length: .* got inf": lambda: a_stent(length=np.inf),
         "distal end: expected finite": lambda: AtDistalEnd([0, 0, np.nan]),
         "stent end: expected numbers": lambda: BetweenPoints([0, 0, 0], ["a", 0, 0]),
@@ -192,6 +209,17 @@ GROUPS = {
         "dtype: expected a floating type": lambda: stored(dtype="nonsense"),
         "scale: expected a number greater than 0": lambda: stored(scale=0.0),
         "coordinates that fit into float32": lambda: stored(dtype=np.float32, scale=1e39),
+        "the 1 points of the state before, got 3": lambda: displacements(THREE[:1], THREE),
+    },
+    "polydata": {
+        "VTK cannot write it": lambda: encode_vtp(None),
+        "point array d: expected 3 rows": lambda: polydata_from_arrays(*FACES, {"d": [0.0] * 5}),
+        "cell array d: expected 2 rows": lambda: polydata_from_arrays(*FACES, None, {"d": 3.0}),
+        "expected numbers or text": lambda: polydata_from_arrays(*FACES, {"d": [1j] * 3}),
+        "vein: expected nothing but triangles": lambda: of_cells([0, 4], [0, 1, 2, 3]),
+        "expected at least one triangle": lambda: of_cells([0], []),
+        "expected point indices from 0 to 3": lambda: of_cells([0, 3], [0, 1, 7]),
+        "cells do not fit together": lambda: of_cells([0, 3, 2, 3], [0, 1, 2]),
     },
     "deployments": {
         "stent radius: expected a number greater than 0 .mm., got 0": lambda: a_deployment(
@@ -213,6 +241,20 @@ GROUPS = {
         "settings: expected one of .*, got 'radius_step'": lambda: settled(radius_step=0.1),
         "width: expected 0 or at least 0.001 .* 1e-300": lambda: settled(smoothing_width=1e-300),
         "capsule_length: expected a number at least 0.05": lambda: settled(capsule_length=10**400),
+    },
+    "previews": {
+        "at least 2 points, got 1": lambda: rough_radii(THREE, THREE[:1], THREE),
+        "points of the wall": lambda: rough_radii(np.empty((0, 3)), THREE[:2], np.empty((0, 3))),
+        "at least one stent": lambda: Preview(Surface(*FACES)).of([]),
+    },
+    "plans": {
+        "stent 1 of the plan: expected a Stent, got str": lambda: Plan(stents=("x",)),
+        "frame: expected RAS, LPS or none": lambda: Plan(frame="XYZ"),
+        "input file: expected a path, got 3": lambda: InputFile(3),
+        "settings.falloff: expected a name, got a function": lambda: plan_text(
+            Plan(settings=settled(falloff=lambda x: 1 - x))
+        ),
+        "stent name: expected a text": lambda: plan_text(Plan((a_stent(name="\udcff"),))),
     },
     "flows": {
         "that of the inlet alone": lambda: known_flow(40.0, inlet=10.0),
@@ -243,6 +285,9 @@ GROUPS = {
         "toward: expected a direction that d": lambda: planar_axis([(9, 0)], toward=(0, 0, 2)),
         "length: .* at least 16": lambda: phantoms.tube_with_neighbor(length=5),
         "edge_length: .* at most 1.8": lambda: phantoms.tube_with_neighbor(edge_length=2),
+        "edge_length: expected rims that are one loop each": lambda: _rim_loop(
+            np.zeros((7, 3)), 2 * np.arange(3)[:, None] + range(3), Rim(np.zeros(3), THREE[2], 1.0)
+        ),
         "outlets: expected": lambda: phantoms.vascular_tree(0),
         "edge_length: expected": lambda: phantoms.vascular_tree(8, 3.0),
         "number of the branch: expected": lambda: phantoms.vascular_tree(8, 0.8, {15: 0.5}),

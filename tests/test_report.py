@@ -1,7 +1,5 @@
 """The report: its document, its page and its figure."""
 
-from __future__ import annotations
-
 import html
 import json
 import math

@@ -1,7 +1,5 @@
 """The sample vessels are what their phantoms are, to the bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

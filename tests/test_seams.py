@@ -1,7 +1,5 @@
 """Points that lie on each other without being shared, ghost cells, triangles a second time."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A segment between two places of a vessel, closed by flat caps in planes that meet only it."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Parameters of the method: their defaults, presets and refusals."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import fields
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Stents that are no cylinders: one profile over the axis, measured against what is prescribed."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

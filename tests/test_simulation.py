@@ -4,8 +4,6 @@ No solver runs here: a script stands in for it, and fields that are exact soluti
 results.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -3,8 +3,6 @@
 Judged here by VTK's distances and by the coordinates themselves, never by the certificate.
 """
 
-from __future__ import annotations
-
 import importlib.util
 from functools import cache
 from typing import NamedTuple

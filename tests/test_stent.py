@@ -1,7 +1,5 @@
 """Stents: sizes, placements, junctions, ends of the centerline, bends, straightening."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

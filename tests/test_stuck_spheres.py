@@ -1,7 +1,5 @@
 """Spheres in pockets of rough walls: seen by their neighbors, and searched anew."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.sparse import coo_array

@@ -1,7 +1,5 @@
 """A proposal for a lesion: sizes by a named rule, ratios, and the plan of it."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Surfaces by closed forms: box, tetrahedron, sphere, torus, and what is broken in known ways."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

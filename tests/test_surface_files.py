@@ -1,7 +1,5 @@
 """Surfaces from files, and whether a centerline lies in the same space."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from mesh_files import assert_refused_by_name, octahedron, open_tube

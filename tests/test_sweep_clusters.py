@@ -1,7 +1,5 @@
 """Sweeps on a real Dask cluster on this machine: a scheduler and workers as processes."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

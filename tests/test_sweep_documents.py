@@ -1,7 +1,5 @@
 """Sweep documents, their schema, and the samples that are drawn from them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from child_processes import python

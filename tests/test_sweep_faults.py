@@ -1,7 +1,5 @@
 """Sweeps whose workers, disks, patients and own processes fail, with real processes."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

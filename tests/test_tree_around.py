@@ -1,7 +1,5 @@
 """Ways from a stent's axis into its vessels, and which way is downstream."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

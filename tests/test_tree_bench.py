@@ -1,7 +1,5 @@
 """The bench of trees: its truth where that is known by calculation, and its verdicts."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

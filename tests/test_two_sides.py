@@ -1,7 +1,5 @@
 """A lumen and the outer side of its wall in one file: measured and treated is the lumen."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from mesh_files import read_vtk

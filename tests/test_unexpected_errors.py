@@ -1,7 +1,5 @@
 """Inputs that once ended in "unexpected error": each has its sentence, or is carried out."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

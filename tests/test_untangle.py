@@ -1,7 +1,5 @@
 """Taking apart what folds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from deployment_cases import anatomy_case, phantom

@@ -1,7 +1,5 @@
 """A stent follows the vessel in which its place lies, whichever of many lines is the nearest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from lesion_cases import bifurcation_case

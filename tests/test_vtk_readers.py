@@ -1,7 +1,5 @@
 """The strict readers of VTK's files: what is damaged is a sentence, all else as VTK reads it."""
 
-from __future__ import annotations
-
 import base64
 import re
 import zlib

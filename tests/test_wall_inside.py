@@ -1,7 +1,5 @@
 """Wall inside of a stent that no inscribed sphere sees: pushed out, or told by the certificate."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A vessel before treatment is measured once, wherever its lines part."""
 
-from __future__ import annotations
-
 import gc
 import weakref
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """Centerlines that the tests make by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Phantoms as files, mainly a stenosed tube in cm, and the command line with them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from benchmarks.phantoms import stenosed_tube
