@@ -39,11 +39,11 @@ class Connector:
         setattr(self.widget, self.attribute, value)
 
 
-class OfCheckBox(Connector):
+class CheckBoxConnector(Connector):
     signal, attribute = "toggled", "checked"
 
 
-class OfNumber(Connector):
+class NumberConnector(Connector):
     signal, attribute = "valueChanged", "value"
 
     def __init__(self, widget: Any, field: Any) -> None:
@@ -55,7 +55,7 @@ class OfNumber(Connector):
         return self.field.type(self.widget.value)
 
 
-class OfComboBox(Connector):
+class ComboBoxConnector(Connector):
     signal = "currentIndexChanged"
 
     def __init__(self, widget: Any, field: Any) -> None:
@@ -73,7 +73,7 @@ class OfComboBox(Connector):
         self.widget.currentIndex = self.values.index(value)
 
 
-class OfText(Connector):
+class TextConnector(Connector):
     signal, attribute = "textChanged", "text"
 
     def write(self, value: Any) -> None:
@@ -81,12 +81,12 @@ class OfText(Connector):
             super().write(value)
 
 
-class OfLabel(OfText):
+class LabelConnector(TextConnector):
     def onChanged(self, callback: Callable[[], None] | None) -> None:
         """Do nothing: the user cannot change a label."""
 
 
-class OfNode(Connector):
+class NodeConnector(Connector):
     signal = "currentNodeChanged"
 
     def __init__(self, widget: Any, field: Any) -> None:
@@ -102,14 +102,14 @@ class OfNode(Connector):
 
 
 CONNECTORS = {
-    "CheckBox": OfCheckBox,
-    "SpinBox": OfNumber,
-    "DoubleSpinBox": OfNumber,
-    "Number": OfNumber,
-    "ComboBox": OfComboBox,
-    "LineEdit": OfText,
-    "Label": OfLabel,
-    "NodeComboBox": OfNode,
+    "CheckBox": CheckBoxConnector,
+    "SpinBox": NumberConnector,
+    "DoubleSpinBox": NumberConnector,
+    "Number": NumberConnector,
+    "ComboBox": ComboBoxConnector,
+    "LineEdit": TextConnector,
+    "Label": LabelConnector,
+    "NodeComboBox": NodeConnector,
 }
 
 

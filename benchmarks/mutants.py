@@ -101,7 +101,7 @@ def tests_by_line(name: str) -> dict[str, dict[int, set[str]]]:
 
 
 def verdict(tree: Path, mutant: Mutant, tests: list[str], seconds: float) -> str:
-    """The verdict of the tests on a mutant in a copy of the tree, which is restored afterwards."""
+    """The verdict of the tests on a mutant in a copy of the tree, which is restored afterward."""
     place, end = tree / mutant.path, time.monotonic() + seconds
     source = place.read_bytes()
     place.write_bytes(source[: mutant.first] + mutant.new.encode() + source[mutant.last :])

@@ -91,7 +91,7 @@ def test_a_dragged_neighbor_follows_the_papers_rate_in_the_limit():
     reached.terminal = True
     exact = solve_ivp(rate, (2.0, 4.0), [3.0], rtol=1e-10, atol=1e-12, events=reached)
     expected = max(exact.y[0, -1], 4.0 if exact.status == 1 else 0.0)
-    # The drag of the first step is predicted with no rate known: a few micrometres remain.
+    # The drag of the first step is predicted with no rate known: a few micrometers remain.
     assert after[1, 0] == pytest.approx(expected, abs=0.01)
     assert after[0, 0] == pytest.approx(4.0, abs=1e-5)
 

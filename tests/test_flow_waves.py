@@ -401,9 +401,9 @@ def test_flows_that_stand_for_a_wave_tell_its_means(seed):
 def test_the_regurgitant_fraction_is_what_runs_back():
     for back in (0.0, 20.0, 60.0):
         time, flow = systole(81, back=back)
-        forwards = average(time, flow, lambda q: np.maximum(q, 0))
+        forward = average(time, flow, lambda q: np.maximum(q, 0))
         wave = wave_of(time, flow)
-        assert wave.back == pytest.approx(1 - average(time, flow) / forwards, abs=1e-6)
+        assert wave.back == pytest.approx(1 - average(time, flow) / forward, abs=1e-6)
 
 
 # Flow that runs back
@@ -456,10 +456,10 @@ def test_the_drop_over_a_regurgitant_wave_is_that_of_its_moments():
         band = getattr(told("mean", wave), kind)
         assert band.value == pytest.approx(right, rel=1e-3)
         assert band.low < band.value < band.high
-        forwards = average(
+        forward = average(
             time, flow, lambda q, a=a, b=b: np.maximum(a * q + b * q * q, 0) * (q > 0)
         )
-        assert band.value < forwards
+        assert band.value < forward
 
 
 # What the patient is known by

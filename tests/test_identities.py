@@ -195,7 +195,7 @@ def test_no_wall_is_left_inside_a_finished_stent(radius, start, length, falloff,
     assert away.min() > radius - 1e-3
 
 
-# A deployment as a whole: states, cancelling, companions and the gap.
+# A deployment as a whole: states, canceling, companions and the gap.
 
 
 def deployment_of(case, settings=DEFAULT, **others):
@@ -203,7 +203,7 @@ def deployment_of(case, settings=DEFAULT, **others):
 
 
 @pytest.mark.parametrize("settings", [DEFAULT, PUBLISHED], ids=["default", "published"])
-def test_cancelling_is_to_stop_iterating(case, settings):
+def test_canceling_is_to_stop_iterating(case, settings):
     deployment = deployment_of(case, settings)
     running = iter(deployment)
     for _ in range(2):

@@ -181,7 +181,7 @@ def test_a_straight_mesh_of_ones_own_is_laid_where_the_stent_is(a_folder):
     assert deploy("--export-device", "d.vtp", "--device-mesh", "mesh.vtp", "--quiet") == 0
     made = read_surface("d.vtp", "cm")
     np.testing.assert_array_equal(made.surface.triangles, body.triangles)
-    # The axis is z, upwards or downwards; the middle of the stent is at 20 mm.
+    # The axis is z, upward or downward; the middle of the stent is at 20 mm.
     np.testing.assert_allclose(np.abs(made.points[:, 2] - 20), np.abs(centered[:, 2]), atol=1e-6)
     np.testing.assert_allclose(
         np.hypot(*made.points[:, :2].T), np.hypot(*centered[:, :2].T), atol=1e-6

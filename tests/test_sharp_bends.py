@@ -88,7 +88,7 @@ def test_what_a_sharp_bend_may_lose_is_what_idelchik_has(degrees, radius):
     expected = idelchik(np.radians(degrees), radius) * RHO / 2 * 2 * speed**2
     lost = (most.stenosis[0] - usual.stenosis[0]) * flow**2
     assert lost == pytest.approx(expected, rel=0.05)
-    # It is lost behind the bend, and backwards with the other sign.
+    # It is lost behind the bend, and backward with the other sign.
     last = len(made[0].along) - 1
     start = int(np.searchsorted(made[0].along, 4 * diameter))
     drops = [drop_over([Piece(0, start, last)], one, np.array([flow])) for one in (usual, most)]

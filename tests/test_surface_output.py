@@ -28,7 +28,7 @@ MOVED = np.array([4, 17])
 
 
 def rich_surface(folder, kind=np.float32, frame="LPS"):
-    """A surface in centimetres with arrays of many types."""
+    """A surface in centimeters with arrays of many types."""
     points, triangles = octahedron()
     polydata = polydata_from_arrays((points / 10).astype(kind), triangles)
     count = len(points)

@@ -113,7 +113,7 @@ def test_a_pulled_vertex_is_put_back_and_none_enters_the_stent():
     assert len(outcome.faulty) == 0
     assert len(self_intersecting_triangles(outcome.positions, faults.triangles)) == 0
     after = motion.chain.field(outcome.positions).distance
-    # One Newton step along the field: its curvature leaves a few micrometres.
+    # One Newton step along the field: its curvature leaves a few micrometers.
     assert after.min() > level - 5e-3
 
 

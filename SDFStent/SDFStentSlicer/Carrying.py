@@ -19,7 +19,7 @@ class Carrying:
         self._known = {}
 
     def follow(self, parameterNode, plans):
-        """Bring what belongs to a node of a plan to where that is now, for all `plans`; what is left behind is in `status` afterwards.
+        """Bring what belongs to a node of a plan to where that is now, for all `plans`; what is left behind is in `status` afterward.
 
         Returns whether it was elsewhere before.
         """

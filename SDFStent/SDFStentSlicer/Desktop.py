@@ -69,13 +69,13 @@ class QtDesktop:
         """Call `action()` at every event of a kind, such as "Resize", of a widget. Keep what is returned; call it to have no more of it."""
         wanted = getattr(self._qt.QEvent, kind)
 
-        class Watch(self._qt.QObject):
+        class EventFilter(self._qt.QObject):
             def eventFilter(self, _watched, event):
                 if event.type() == wanted:
                     action()
                 return False
 
-        watch = Watch()
+        watch = EventFilter()
         widget.installEventFilter(watch)
         return lambda: widget.removeEventFilter(watch)
 

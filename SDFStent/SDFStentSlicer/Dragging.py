@@ -169,7 +169,7 @@ def _ways(centerline, point):
     # above that is.
     parting = np.where(centerline.parent < 0, np.arange(len(at)), centerline.parent)
     parting[chain] = chain
-    # Ends, since every round doubles the steps upwards, to the chain or to a root.
+    # Ends, since every round doubles the steps upward, to the chain or to a root.
     while (parting[parting] != parting).any():
         parting = parting[parting]
     return place.arc_length + at - 2 * np.minimum(at[parting], place.arc_length)

@@ -121,7 +121,7 @@ class Segments:
     def extractSegment(self, parameterNode, folder):
         """Write the segment between the chosen places into a new folder in `folder`, and return the new folder.
 
-        Remarks on it are in `status` afterwards. Raises `InputError` or `DeploymentError` with a sentence if no plane
+        Remarks on it are in `status` afterward. Raises `InputError` or `DeploymentError` with a sentence if no plane
         cuts only this vessel.
         """
         return untilDone(self.segmentSteps(parameterNode, folder))

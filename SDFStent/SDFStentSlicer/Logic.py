@@ -131,7 +131,7 @@ class SDFStentLogic(
             parameterNode.suggestMargin = wishes.margin
 
     def loadPlan(self, path, parameterNode):
-        """Replace stents and method by those of a plan document; what to know about it is in `status` afterwards."""
+        """Replace stents and method by those of a plan document; what to know about it is in `status` afterward."""
         former = [stent.handle for stent in stentsOf(parameterNode)]
         parameterNode.status = Plans.load(path, parameterNode)
         plans = map(self.parameterSet, self.getAllParameterNodes())
@@ -140,7 +140,7 @@ class SDFStentLogic(
             Handles.removeHandle(handle)
 
     def savePlan(self, path, parameterNode):
-        """Write stents and method as a plan document; what to know about it is in `status` afterwards."""
+        """Write stents and method as a plan document; what to know about it is in `status` afterward."""
         parameterNode.status = Plans.save(path, parameterNode)
 
     # What a deployment depends on

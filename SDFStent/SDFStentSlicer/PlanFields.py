@@ -162,7 +162,7 @@ UNITS = {
 """By what stands behind a number in the panel: from the plan to what is shown, and back. All other numbers are as in the plan."""
 
 
-class Field(NamedTuple):
+class PlanField(NamedTuple):
     """By what Python code has a value of the plan: its path, its unit in the panel, and what stands for none."""
 
     path: str
@@ -182,7 +182,7 @@ class Field(NamedTuple):
         return UNITS[self.unit][1](value) if self.unit in UNITS else value
 
 
-class PlaceField(Field):
+class PlaceField(PlanField):
     """The kind of a placement; setting it forgets the place of another kind."""
 
     def shown(self, value):
@@ -204,26 +204,28 @@ shortening are kept while others than these count: the whole curve, or what is k
 it is dilated once more at once, mm."""
 
 STENT = {
-    "label": Field("name"),
-    "foreshortening": Field("foreshortening_fraction", " %"),
+    "label": PlanField("name"),
+    "foreshortening": PlanField("foreshortening_fraction", " %"),
     "placement": PlaceField("placement"),
-    "wholeCurve": Field("whole_curve"),
-    "deviceShortening": Field("device_shortening"),
-    "redilation": Field("redilation", none=0.0),
+    "wholeCurve": PlanField("whole_curve"),
+    "deviceShortening": PlanField("device_shortening"),
+    "redilation": PlanField("redilation", none=0.0),
 }
-STENT |= {name: Field(name) for name in USUAL if name not in {one.path for one in STENT.values()}}
+STENT |= {
+    name: PlanField(name) for name in USUAL if name not in {one.path for one in STENT.values()}
+}
 METHOD = {
-    field: Field(f"settings.{name}", none=0.0 if one.is_optional else None)
+    field: PlanField(f"settings.{name}", none=0.0 if one.is_optional else None)
     for field, (name, one) in METHOD_PARAMETERS.items()
-} | {"straightening": Field("settings.straightening_fraction", " %")}
+} | {"straightening": PlanField("settings.straightening_fraction", " %")}
 FLOW = {
-    "flowMean": Field("flow.mean", " L/min", 0.0),
-    "flowPeak": Field("flow.peak", " L/min", 0.0),
-    "inletPressure": Field("flow.inlet", none=0.0),
-    "wedgePressure": Field("flow.wedge", none=0.0),
-    "splitRight": Field("flow.split_right", " %", 0.0),
-    "flowBsa": Field("flow.bsa", none=0.0),
-    "flowUnusual": Field("flow.unusual", none=False),
+    "flowMean": PlanField("flow.mean", " L/min", 0.0),
+    "flowPeak": PlanField("flow.peak", " L/min", 0.0),
+    "inletPressure": PlanField("flow.inlet", none=0.0),
+    "wedgePressure": PlanField("flow.wedge", none=0.0),
+    "splitRight": PlanField("flow.split_right", " %", 0.0),
+    "flowBsa": PlanField("flow.bsa", none=0.0),
+    "flowUnusual": PlanField("flow.unusual", none=False),
 }
 DEFAULTS = {"settings": Plan().method, "stents": [], "flow": None, "inputs": {}}
 STENT_FIELDS = (*STENT, "handle")

@@ -259,7 +259,7 @@ class Planning:
         Handles.giveWay(stentOf(parameterNode).handle, handles)
 
     def moveStent(self, parameterNode, distance):
-        """Move the handle of the selected stent along the centerline, in mm, towards the outlets or, negative, the root."""
+        """Move the handle of the selected stent along the centerline, in mm, toward the outlets or, negative, the root."""
         self.freePlace(parameterNode)
         stent = stentOf(parameterNode)
         if (
@@ -270,7 +270,7 @@ class Planning:
             Handles.moveHandle(stent.handle, self._inputs.centerline(parameterNode), distance)
 
     def snapHandle(self, parameterNode, handle):
-        """Move a handle's points onto the centerline; from how far, where that is far, is in `status` afterwards.
+        """Move a handle's points onto the centerline; from how far, where that is far, is in `status` afterward.
 
         Raises `InputError` with a sentence where no stent can be, as outside of the lumen; then the handle stays where it is.
         """

@@ -391,14 +391,14 @@ def _withoutFiles(parameterNode):
     homeless = [node for node in nodes if node is not None and fileOf(node) is None]
     if not homeless:
         return ""
-    advice = dict.fromkeys(_towardsFile(node) for node in homeless)  # each once, in order
+    advice = dict.fromkeys(_towardFile(node) for node in homeless)  # each once, in order
     return _(
         "The plan is saved without a file of {names}: sdfstent run cannot replay it; to change that, {advice}, then save "
         "the plan again."
     ).format(names=_(" and ").join(node.GetName() for node in homeless), advice=", ".join(advice))
 
 
-def _towardsFile(node):
+def _towardFile(node):
     if node.IsA("vtkMRMLSegmentationNode"):
         return _("export the segment as a model and choose that")
     if not node.IsA("vtkMRMLModelNode"):

@@ -60,7 +60,7 @@ class PointNormals:
     def update(self, changed=None):
         """Compute all normals; or, for a large surface, those of the points named by index arrays.
 
-        Neighbors of these points keep their normals: a change fades towards its edge, and so does the error there.
+        Neighbors of these points keep their normals: a change fades toward its edge, and so does the error there.
         """
         if changed is None or self._corners is None:
             self._write(self._computed(self._polyData.GetPoints(), self._polyData.GetPolys()))

@@ -98,7 +98,7 @@ class SceneEvents:
         # Selectors are emptied by an import, and references are not resolved while it lasts.
         self.setParameterNode(None)
         self._present = self.logic.getAllParameterNodes()
-        self.logic.markShown(None)  # so that what is marked afterwards was saved so
+        self.logic.markShown(None)  # so that what is marked afterward was saved so
 
     def onSceneEndImport(self, caller=None, event=None):
         shown, self._lastSet = self._lastSet, None
@@ -114,7 +114,7 @@ class SceneEvents:
             self.logic.showPlan(self.logic.parameterSet(self._lastSet))
 
     def onNodeAdded(self, caller=None, event=None):
-        self._added.start()  # who adds a model may fill it afterwards
+        self._added.start()  # who adds a model may fill it afterward
 
     def _offer(self):
         if self._parameterNode is not None:

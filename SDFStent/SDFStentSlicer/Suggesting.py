@@ -25,7 +25,7 @@ class Suggesting:
     _proposal = None
 
     def suggestStent(self, parameterNode, lesion):
-        """Size a stent for a lesion by the library's rule and place it there; what it says of that is in `status` afterwards.
+        """Size a stent for a lesion by the library's rule and place it there; what it says of that is in `status` afterward.
 
         The selected stent where that covers the lesion by a handle of ours, with its device and shape, and else a new one. Returns
         the library's `Suggestion`.

@@ -9,7 +9,7 @@ from test_scenes import addSegmentation
 
 @pytest.fixture
 def theirModule(host, aScene):
-    """A module that is called and has selectors as theirs; gone again afterwards."""
+    """A module that is called and has selectors as theirs; gone again afterward."""
     selector = slicer.qMRMLNodeComboBox()
     selector.nodeTypes = ["vtkMRMLModelNode", "vtkMRMLSegmentationNode"]
     selector.setMRMLScene(slicer.mrmlScene)

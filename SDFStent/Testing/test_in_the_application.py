@@ -198,7 +198,7 @@ def test_only_what_fits_is_offered_and_what_may_yet_fit(host, aPanel, aVessel, a
     lines = vtkPolyData()
     lines.DeepCopy(centerline.GetPolyData())
     lines.SetPolys(vessel.GetPolyData().GetPolys())
-    both.SetAndObservePolyData(lines)  # as who adds a node does: afterwards
+    both.SetAndObservePolyData(lines)  # as who adds a node does: afterward
     host.process()
     walls = [vessel.GetName(), "Both", "Empty"]
     assert offered(ui.vesselSelector) == offered(ui.deviceMeshSelector) == walls

@@ -1,4 +1,4 @@
-"""The application may be quit at any moment: nothing that the panel had still to do comes afterwards."""
+"""The application may be quit at any moment: nothing that the panel had still to do comes afterward."""
 
 import pytest
 from panel_helpers import theThroat

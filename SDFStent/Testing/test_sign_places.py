@@ -25,7 +25,7 @@ def test_numbers_of_lesions_do_not_lie_on_each_other_or_on_the_vessel(theModule,
     lesions = [
         aLesion(rng.uniform(-15, 15, 3), rng.normal(size=3), rng.uniform(4, 9)) for _n in range(8)
     ]
-    lesions.append(aLesion(np.zeros(3), np.array([0.0, 1.0, 0.0]), 6.0))  # towards who looks
+    lesions.append(aLesion(np.zeros(3), np.array([0.0, 1.0, 0.0]), 6.0))  # toward who looks
     places = besides(lesions)
     for number, (place, lesion) in enumerate(zip(places, lesions, strict=True)):
         off = lesion.line.nearest(place[None]).distances[0]

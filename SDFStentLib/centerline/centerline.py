@@ -56,7 +56,7 @@ class Centerline:
         Radius of the maximum inscribed sphere, mm; not positive or not finite counts as unknown
         and becomes NaN.
     parent : array_like of int, shape (n,)
-        The next point towards the root, -1 at a root. Proximal is the root's side, always.
+        The next point toward the root, -1 at a root. Proximal is the root's side, always.
     loops : array_like of int, shape (k, 2), optional
         Places where vessels that parted meet again: the last point of one, which is an end of the
         tree, and the point of the other at which it meets that.
@@ -264,7 +264,7 @@ class Centerline:
         return start, end
 
     def path_around(self, center: ArrayLike | Location, length: float) -> CenterlinePath:
-        """The path of a length, mm, half of it up towards the root and half down towards the
+        """The path of a length, mm, half of it up toward the root and half down toward the
         outlets.
 
         It follows the line of the vessel in whose lumen the place lies, whichever line is nearest.
@@ -275,7 +275,7 @@ class Centerline:
         return self._path_through(center, half, half)
 
     def path_from_distal(self, distal: ArrayLike | Location, length: float) -> CenterlinePath:
-        """The path of `length` mm from a distal end towards the root; shorter if the line ends."""
+        """The path of `length` mm from a distal end toward the root; shorter if the line ends."""
         return self._path_through(distal, as_number(length, "length", unit="mm", above=0), 0.0)
 
     def path_from_proximal(self, proximal: ArrayLike | Location, length: float) -> CenterlinePath:

@@ -1,4 +1,4 @@
-"""Arithmetic on trees in point form: every point knows the next one towards the root."""
+"""Arithmetic on trees in point form: every point knows the next one toward the root."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def as_parents(values: ArrayLike, count: int) -> Indices:
             f"centerline parents: expected -1 to {count - 1}, got {parent.min()} to {parent.max()}."
         )
     above = parent = parent.astype(np.int64)
-    # Each round doubles the steps upwards, so that only a circle outlasts log2(count) of them.
+    # Each round doubles the steps upward, so that only a circle outlasts log2(count) of them.
     for _ in range(count.bit_length()):
         above = np.where(above >= 0, above[above], -1)
     if (above >= 0).any():
@@ -148,7 +148,7 @@ def branches_of(parent: Indices) -> tuple[Indices, ...]:
     found = []
     for end in np.flatnonzero(stops & (parent >= 0)):
         branch = [int(end), int(parent[end])]
-        # Ends: upwards, where the root is a stop.
+        # Ends: upward, where the root is a stop.
         while not stops[branch[-1]]:
             branch.append(int(parent[branch[-1]]))
         found.append(np.array(branch[::-1], dtype=np.int64))

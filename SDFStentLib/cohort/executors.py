@@ -191,7 +191,7 @@ def finished(
             is_deadly = type(future.exception()).__name__ == "KilledWorker"
             outcome = None if is_deadly else future.result()
             yield at_work.pop(future), outcome
-        tick()  # afterwards: it asks the scheduler, and would wait for a lost one
+        tick()  # afterward: it asks the scheduler, and would wait for a lost one
 
 
 @contextmanager

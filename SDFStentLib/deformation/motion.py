@@ -262,7 +262,7 @@ class RestingPoints:
 def _own_frame(nodes: Points, wall: Points) -> Points:
     """Axes (3, 3), in columns, of a stent and the wall round it; they turn along with both.
 
-    They run from one end to the other, towards the side where most of the wall lies, and across
+    They run from one end to the other, toward the side where most of the wall lies, and across
     both. So the grouping of points depends neither on the coordinates' frame nor on the end at
     which the stent begins; sums and products keep their bits where two coordinates change sign.
     """

@@ -230,7 +230,7 @@ def radius_correction(chain: CapsuleChain, radius: float) -> float:
 
 
 def _across_bend(along: Points) -> tuple[Points, Points]:
-    """Two perpendicular unit vectors (m, 3) across every capsule, the first towards its bend.
+    """Two perpendicular unit vectors (m, 3) across every capsule, the first toward its bend.
 
     Thus they turn with the axis. Where it is straight, the field is nearly the same all round.
     """

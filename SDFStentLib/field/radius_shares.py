@@ -73,7 +73,7 @@ class RadiusShares:
     def inscribed(self, axis: Line, radius: float, stations: Points, *, in_caps: bool) -> Floats:
         """Radii (n,), mm, of the spheres round stations of the axis that fit into the stent.
 
-        A sphere touches the stent where that is narrower beside it, or bends towards it. With
+        A sphere touches the stent where that is narrower beside it, or bends toward it. With
         `in_caps`, spheres near the ends fit into flattened caps as well; else the ends are open.
 
         Parameters
@@ -114,7 +114,7 @@ class RadiusShares:
         return points[~inside]
 
     def _cap_share(self, points: Points, axis: Line) -> Floats:
-        """Radius towards points beyond an end, over that of a half sphere: an ellipsoid's; 1
+        """Radius toward points beyond an end, over that of a half sphere: an ellipsoid's; 1
         elsewhere."""
         share, nodes = np.ones(len(points)), axis.points
         for end, inner in (nodes[:2], nodes[:-3:-1]):

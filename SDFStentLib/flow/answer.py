@@ -187,7 +187,7 @@ class FlowModel:
         for _ in range(HALVINGS):
             part = (near + far) / 2
             try:
-                found, near = self._case(USUAL.towards(method, part)), part
+                found, near = self._case(USUAL.toward(method, part)), part
             except InputError:
                 far = part
         return found

@@ -71,7 +71,7 @@ class Method(NamedTuple):
     bent: float = 0.0
     """Times what sharp bends may lose beside friction."""
 
-    def towards(self, other: Method, part: float) -> Method:
+    def toward(self, other: Method, part: float) -> Method:
         """A part of the way to another method."""
         (*_, viscosity), *own = self
         (*_, to), *others = other

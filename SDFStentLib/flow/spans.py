@@ -164,7 +164,7 @@ def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
 def drops_over(pieces: Sequence[Piece], networks: Sequence[Network], flows: Floats) -> Floats:
     """The fields of `Drop` (c, 2) in networks of one tree at flows (c, n) through their blocks.
 
-    Flow that runs back costs what the same flow forwards does, with the other sign, as it does in
+    Flow that runs back costs what the same flow forward does, with the other sign, as it does in
     the network.
     """
     # Which way most of it runs in the part.

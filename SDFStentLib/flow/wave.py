@@ -30,7 +30,7 @@ RATES = 30.0, 250.0
 """Cycles in a minute: the least of a heart in bradycardia, and more than any newborn's."""
 
 NODES = 8
-"""Flows that stand for all forwards, and as many for all backwards."""
+"""Flows that stand for all forward, and as many for all backward."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Wave:
 
     @cached_property
     def back(self) -> float:
-        """The regurgitant fraction: what flows back over what flows forwards."""
+        """The regurgitant fraction: what flows back over what flows forward."""
         flow, weights = self.spread()
         return float(weights @ np.maximum(-flow, 0) / (weights @ np.maximum(flow, 0)))
 
@@ -101,7 +101,7 @@ class Wave:
     def spread(self) -> tuple[Floats, Floats]:
         """Flows (k,), mL/s, whose shares of time (k,) tell the means over the cycle.
 
-        Means of what is a polynomial of the flow forwards and another one backwards, as losses
+        Means of what is a polynomial of the flow forward and another one backward, as losses
         nearly are, up to degree `2 NODES - 1`: Gauss' quadrature for the time that blood flows as
         fast as that.
         """

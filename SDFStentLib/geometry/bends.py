@@ -121,7 +121,7 @@ def smoothed_line(line: Line, smoothing_length: float) -> Line:
 
     Weights are those of a normal distribution along the arc. At its ends the line goes on as its
     own reflection in the end, so that a straight line stays as it is; an arc of radius r moves
-    inwards by about `smoothing_length ** 2 / (2 r)`.
+    inward by about `smoothing_length ** 2 / (2 r)`.
 
     Parameters
     ----------

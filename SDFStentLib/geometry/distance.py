@@ -142,10 +142,10 @@ def _between_walls(
 ) -> csr_array:
     """The same weights, except that a place between two walls follows each by its nearness.
 
-    So tissue between the walls is compressed evenly, as in a crotch of which one side moves towards
+    So tissue between the walls is compressed evenly, as in a crotch of which one side moves toward
     the other. Weights of 1 / d keep the order of places between two walls that do not cross.
 
-    In a crotch one side moves towards the other. With weights as 1 / d a place keeps its order
+    In a crotch one side moves toward the other. With weights as 1 / d a place keeps its order
     between the two, whatever these do that do not cross each other.
     """
     from scipy.sparse import coo_array, diags_array

@@ -1,7 +1,7 @@
 """Inscribed spheres near a closed end of a vessel, measured as if the end were open.
 
 A flat cap is where a model was cut, not a wall. Nearer to it than its own radius a sphere touches
-the cap first, and the vessel would seem to narrow to nothing towards every in- and outlet.
+the cap first, and the vessel would seem to narrow to nothing toward every in- and outlet.
 """
 
 from __future__ import annotations

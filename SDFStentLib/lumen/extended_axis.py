@@ -137,7 +137,7 @@ def extended_axis(
     """The axis continued along the centerline; without a centerline, through the middle of the
     lumen.
 
-    At a junction it goes on towards the root, or away from it in the straightest direction. It
+    At a junction it goes on toward the root, or away from it in the straightest direction. It
     ends where the vessel or the centerline ends.
 
     Parameters

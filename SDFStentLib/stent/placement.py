@@ -67,7 +67,7 @@ class AtCenter(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class AtDistalEnd(ByValue):
-    """The stent's distal end is nearest to this point: it reaches up towards the root."""
+    """The stent's distal end is nearest to this point: it reaches up toward the root."""
 
     point: Floats
 

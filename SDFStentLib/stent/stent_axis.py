@@ -234,7 +234,7 @@ def _along_centerline(stent: Stent, centerline: Centerline | None) -> Centerline
     assert stent.length is not None  # Stent refuses these placements without one
     wanted = stent.length * (1.0 - stent.foreshortening)
     if isinstance(placement, AtCenter):
-        # As it is packed, when it shortens towards one end.
+        # As it is packed, when it shortens toward one end.
         wanted = wanted if stent.keeps == "center" else max(wanted, stent.length)
         _placed(centerline, placement.point, "center")
         return centerline.path_around(placement.point, wanted)

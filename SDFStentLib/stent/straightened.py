@@ -86,7 +86,7 @@ def straight_way(line: Line, keeps: str = "center") -> TurnedWay:
 
 
 def turned_way(line: Line, goals: Floats, keeps: str = "center") -> TurnedWay:
-    """How a polyline goes when every piece of it turns towards a goal.
+    """How a polyline goes when every piece of it turns toward a goal.
 
     Parameters
     ----------

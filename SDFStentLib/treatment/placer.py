@@ -20,7 +20,7 @@ from .warnings import check_width
 Shown = TypeVar("Shown")
 
 
-class Course(NamedTuple):
+class InterimVessel(NamedTuple):
     """A vessel between two stents of a plan."""
 
     vessel: Surface | VesselInside
@@ -36,13 +36,13 @@ class Course(NamedTuple):
             return self.companions
         return np.concatenate([self.centerline.points, self.companions])
 
-    def after(self, vessel: Surface | VesselInside, dragged: Points) -> Course:
+    def after(self, vessel: Surface | VesselInside, dragged: Points) -> InterimVessel:
         """The next one, with what was dragged along where it is by then."""
         tree = self.centerline
         if tree is None:
-            return Course(vessel, None, dragged)
+            return InterimVessel(vessel, None, dragged)
         moved, companions = np.split(dragged, [len(tree.points)])
-        return Course(vessel, tree.with_points(moved), companions)
+        return InterimVessel(vessel, tree.with_points(moved), companions)
 
 
 @dataclass(frozen=True)
@@ -95,10 +95,10 @@ class Placer:
     def in_turn(
         self,
         numbers: Iterable[int],
-        course: Course,
-        grow: Callable[[PlacedStent, Course], Generator[Shown, None, Course]],
+        course: InterimVessel,
+        grow: Callable[[PlacedStent, InterimVessel], Generator[Shown, None, InterimVessel]],
         known: Mapping[int, PlacedStent] | None = None,
-    ) -> Generator[Shown, None, Course]:
+    ) -> Generator[Shown, None, InterimVessel]:
         """Place stents by number and let each grow, in order; yields the states of all.
 
         `grow` returns the course behind a stent. Those that are `known` lie where they do.

@@ -24,7 +24,7 @@ from ..stent import Stent
 from ..validation import Floats, Indices, Points, as_number, read_only
 from ..vessel import Lesion, lesions_within, tightest
 from .branches import covered_where_moved
-from .placer import Course, Placer
+from .placer import InterimVessel, Placer
 from .straightening import AxisChange
 from .surroundings import PROFILE_SPACING
 from .value import PlacedStent, TreatedStent, labeled, switched_on
@@ -182,7 +182,9 @@ class Preview:
         placer = Placer(self.surface, stents, change, rows, self._proxy.probes)
         grown: list[PreviewedStent] = []
 
-        def grow(placed: PlacedStent, course: Course) -> Generator[None, None, Course]:
+        def grow(
+            placed: PlacedStent, course: InterimVessel
+        ) -> Generator[None, None, InterimVessel]:
             is_last = placed.number == numbers[-1]
             points = self._points if grown else None
             with labeled(placer.label(placed.number)):
@@ -196,7 +198,7 @@ class Preview:
             return course if is_last else course.after(self._lumen, state.companions)
 
         try:
-            deque(placer.in_turn(numbers, Course(self._lumen, self.centerline), grow))
+            deque(placer.in_turn(numbers, InterimVessel(self._lumen, self.centerline), grow))
             moved, coordinates = self._moved(grown)
             return PreviewState(read_only(moved), read_only(coordinates), tuple(grown))
         finally:

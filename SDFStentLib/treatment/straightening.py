@@ -63,7 +63,7 @@ SPACING = 1.0
 """Of the places of the axis that are looked at, mm."""
 
 ROUNDS = 64
-"""Steps towards the goal. Each is proven to stay in the lumen, so that stopping early is safe."""
+"""Steps toward the goal. Each is proven to stay in the lumen, so that stopping early is safe."""
 
 NOTICEABLE = 1e-3
 """Share of the way that is worth a word."""

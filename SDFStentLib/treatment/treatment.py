@@ -28,7 +28,7 @@ from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
 from .branches import covered_by_all
 from .coarseness import coarse_mesh, too_coarse
-from .placer import Course, Placer
+from .placer import InterimVessel, Placer
 from .profile import Stage, named_states
 from .straightening import AxisChange
 from .surroundings import (
@@ -136,13 +136,13 @@ class Treatment:
         """Yield the states of every stent in turn."""
         self._begin()
         numbers = [number for number, _stent in self._enabled]
-        course = Course(self.surface, self.centerline, self.companions)
+        course = InterimVessel(self.surface, self.centerline, self.companions)
         known = {self._first.number: self._first}
         self._final = yield from self._placer.in_turn(numbers, course, self._grown, known)
 
     def _grown(
-        self, placed: PlacedStent, course: Course
-    ) -> Generator[TreatmentState, None, Course]:
+        self, placed: PlacedStent, course: InterimVessel
+    ) -> Generator[TreatmentState, None, InterimVessel]:
         """Deploy a stent; what it takes to place it counts as its setup."""
         surface, axis, count = as_surface(course.vessel), placed.axis, len(self._enabled)
         deployment = Deployment(

@@ -47,7 +47,7 @@ def planar_axis(
     Parameters
     ----------
     pieces : sequence of (length, curvature)
-        Length in mm; curvature in 1/mm, 0 for a line, positive turns towards `toward`.
+        Length in mm; curvature in 1/mm, 0 for a line, positive turns toward `toward`.
     start : (3,) array
         First point, mm.
     heading, toward : (3,) arrays

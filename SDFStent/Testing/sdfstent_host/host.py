@@ -243,7 +243,7 @@ class Ruler(QtCore.QObject):
 
 
 class LogList(logging.Handler):
-    """Python's log from errors upwards, with tracebacks, as Slicer's error log shows it."""
+    """Python's log from errors upward, with tracebacks, as Slicer's error log shows it."""
 
     def __init__(self, texts):
         super().__init__(logging.ERROR)

@@ -36,7 +36,7 @@ def parsed(path):
 
 def loadUI(path):
     """The panel's top widget. Properties and connections of skins, which Qt's loader does not know, are
-    set afterwards."""
+    set afterward."""
     root, given = parsed(path)
     buffer = QtCore.QBuffer()
     buffer.setData(given)

@@ -6,7 +6,7 @@ distance to a triangle is convex,
 
     d_i(c + x) >= d_i + g_i x.
 
-The step x therefore solves a small linear programme, largest t with t <= d_i + g_i x and x in a
+The step x therefore solves a small linear program, largest t with t <= d_i + g_i x and x in a
 box, and the true distance after the step is at least t: every step climbs. The new center lies
 inside the old sphere, which holds no wall, so a center can never pass through one.
 """

@@ -22,7 +22,7 @@ class Stroke(NamedTuple):
 
 
 class Words(NamedTuple):
-    """One line of text; `y` is its baseline, `is_upright` turns it to read upwards."""
+    """One line of text; `y` is its baseline, `is_upright` turns it to read upward."""
 
     text: str
     x: float
