@@ -74,7 +74,7 @@ class PageDesktop:
     @classmethod
     @contextlib.contextmanager
     def answering(cls, path: Path) -> Iterator[None]:
-        """Within the block every question for a file or a folder is answered with this path."""
+        """Answer every question for a file or a folder with this path within the block."""
         cls._answer = str(path)
         try:
             yield

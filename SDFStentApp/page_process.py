@@ -71,7 +71,7 @@ class PageProcess:
 
     @contextlib.contextmanager
     def visited(self, browser: web.WebSocketResponse) -> Iterator[None]:
-        """Within the block a browser is connected to the page."""
+        """Count a browser as connected to the page within the block."""
         self._visitors.append(browser)
         if self._leaving is not None:
             self._leaving.cancel()

@@ -315,7 +315,7 @@ class Caution:
         remedies: Mapping[str, str] | None = None,
         units: str = "mm",
     ) -> str:
-        """For the user.
+        """The sentence for the user.
 
         Parameters
         ----------

@@ -44,7 +44,7 @@ def _isSame(former, matrix):
 
 
 def _change(former, matrix):
-    """From where a node was to where it is, (4, 4); None where one of both is not known, or flattens space."""
+    """The transform (4, 4) from where a node was to where it is; None where one of both is not known, or flattens space."""
     if former is None or matrix is None or abs(np.linalg.det(former)) < 1e-9:
         return None
     return matrix @ np.linalg.inv(former)

@@ -46,7 +46,7 @@ def _waveIn(inlet):
 
 
 def flowsIn(parameterNode):
-    """By name of an inlet what comes in there, L/min."""
+    """The flow that comes in at each inlet, by its name, L/min."""
     mean = parameterNode.get("flow.mean") or 0.0
     return {one.name: one.mean / ML_PER_S for one in inletsOf(parameterNode, mean, False)}
 

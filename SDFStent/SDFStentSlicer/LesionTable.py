@@ -179,7 +179,7 @@ class LesionTable:
             self._onSelect(self.selected)
 
     def _plot(self, row):
-        """As long as there is no result to be plotted."""
+        """Plot the lesion as long as there is no result to be plotted."""
         if self._parameterNode.outputChart is None:
             self._plotting.cancel()
             self._plotting.start(self._plotted(self._search, row))
@@ -214,7 +214,7 @@ class LesionTable:
             self._marks.select(None if self.selected is None else self.ui.lesionTable.currentRow())
 
     def _activated(self, row, _column):
-        """By Enter: an only row has the focus without being selected, and arrows find no other."""
+        """Select a row by Enter: an only row has the focus without being selected, and arrows find no other."""
         if self.selected is None:
             self.ui.lesionTable.selectRow(row)
         else:

@@ -227,7 +227,7 @@ class SDFStentLogic(
         return None if search is None else search.landmarks
 
     def endNames(self, parameterNode):
-        """By what the ends of the vessel are found as inlets, as the library's; none before its lesions were searched."""
+        """The names by which the ends of the vessel are found as inlets, as the library's; none before its lesions were searched."""
         search = self.lesionSearch(parameterNode)
         return () if search is None else search.endNames
 

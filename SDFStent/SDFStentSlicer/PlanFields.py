@@ -163,7 +163,7 @@ UNITS = {
 
 
 class PlanField(NamedTuple):
-    """By what Python code has a value of the plan: its path, its unit in the panel, and what stands for none."""
+    """A value of the plan as Python code has it: its path, its unit in the panel, and what stands for none."""
 
     path: str
     unit: str = ""

@@ -210,7 +210,7 @@ class Planning:
         return self._inputs.knownCenterline(parameterNode) is not None
 
     def stentLying(self, parameterNode):
-        """As `lying`; None also before the centerline is known."""
+        """The stents that are `lying`; None also before the centerline is known."""
         centerline = self._inputs.knownCenterline(parameterNode)
         return None if centerline is None else self.lying(parameterNode, centerline)
 

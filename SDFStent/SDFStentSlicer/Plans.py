@@ -43,7 +43,7 @@ def plannedOf(parameterNode):
 
 
 def rowsOf(parameterNode):
-    """By which the table counts each of `plannedOf`, from 1: one that is dilated again at once is one row."""
+    """The rows of the table, from 1, of each of `plannedOf`: one that is dilated again at once is one row."""
     stents = enumerate(stentsOf(parameterNode), start=1)
     return [row for row, stent in stents for _once in range(1 + (stent.redilation > 0))]
 

@@ -31,7 +31,7 @@ class HeldFrame:
         self._isHeld = False
 
     def hold(self):
-        """From now on."""
+        """Hold the scene from now on."""
         if not self._isHeld:
             slicer.app.applicationLogic().PauseRender()
         self._isHeld = True
@@ -66,7 +66,7 @@ class QuickDrawing:
         self._former = []
 
     def begin(self):
-        """From now on; the view nodes, which are the user's, stay as they are."""
+        """Begin to show from now on; the view nodes, which are the user's, stay as they are."""
         if self._former:
             return
         for view in threeDViews():

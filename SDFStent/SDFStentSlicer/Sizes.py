@@ -120,7 +120,7 @@ def unplaced(stent):
 
 
 def numbersAgain(stents):
-    """For every stent of a list the number, from 1, of the planned one that it dilates again; None where there is none.
+    """The number, from 1, of the planned stent that each of a list dilates again; None where there is none.
 
     That is the stent as it lies by then: where it was dilated again before, as that. A stent that has a second diameter of its own
     counts twice.

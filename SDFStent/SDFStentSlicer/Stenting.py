@@ -23,7 +23,7 @@ class DrawnStent(NamedTuple):
 
 
 def lying(drawn):
-    """Of stents by their numbers, from the first one on, those that no later one has dilated again: it is as wide by now."""
+    """The stents by their numbers, from the first one on, that no later one has dilated again: it is as wide by now."""
     outgrown = {
         one.stent.placement.number
         for one in drawn.values()
@@ -41,7 +41,7 @@ class Stenting:
     """
 
     def __init__(self, treatment, *, places=(), search=None, remark=""):
-        """Of a `Treatment`.
+        """Hold the stents of a `Treatment`.
 
         `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel, `remark`
         what to know of its surface.

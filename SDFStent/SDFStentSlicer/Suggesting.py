@@ -66,7 +66,7 @@ class Suggesting:
         return self._proposal == (parameterNode.status, _proposed(parameterNode))
 
     def _numberOf(self, parameterNode, lesion):
-        """Of a lesion among those of the vessel, from 1."""
+        """The number of a lesion among those of the vessel, from 1."""
         found = self._inputs.lesions(parameterNode).found or ()
         for number, one in enumerate(found, start=1):
             if one is lesion:
@@ -103,7 +103,7 @@ class Suggesting:
 
 
 def _proposed(parameterNode):
-    """Of which stent something is said: its place, diameter and length."""
+    """The stent of which something is said: its place, diameter and length."""
     stent = stentOf(parameterNode)
     return Conversion.changeStamp(stent.handle), stent.diameter, stent.length, stent.placement
 

@@ -38,7 +38,7 @@ def toWorld(node, polyData):
 
 
 def scaleToWorld(node):
-    """By how much the transform of a node makes it larger; None for one that changes its form, so that no radius is known."""
+    """The factor by which the transform of a node makes it larger; None for one that changes its form, so that no radius is known."""
     transform = node.GetParentTransformNode()
     if transform is None:
         return 1.0

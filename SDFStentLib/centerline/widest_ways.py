@@ -89,7 +89,7 @@ class WidestWays:
         return list(_parted(self.inlet, children, self._widths(children)))
 
     def _widths(self, children: dict[int, list[int]]) -> dict[int, float]:
-        """Of every ball of a tree the widest mean radius, by length, of a way that goes on."""
+        """The widest mean radius, by length, of a way that goes on from every ball of a tree."""
         order = [self.inlet]
         for ball in order:
             order.extend(children.get(ball, ()))

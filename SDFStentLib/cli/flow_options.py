@@ -169,7 +169,7 @@ def known_of(options: argparse.Namespace, console: Console) -> Known | None:
 
 
 def _wave(file: str, console: Console, cycle: float | None, *, needs_unit: bool = True) -> Wave:
-    """Of a file, with what is said of its rows."""
+    """The wave of a file, with what is said of its rows."""
     wave, cautions = read_wave(file, needs_unit=needs_unit, cycle=cycle)
     console.warn([one.labeled(f"{file}: ") for one in cautions])
     return wave
@@ -190,7 +190,7 @@ def _inflow(text: str, console: Console, cycle: float | None) -> Inflow:
 
 
 def no_flow() -> InputError:
-    """For what needs a flow and got none."""
+    """The error for what needs a flow and got none."""
     return InputError(
         "expected --mean-flow Q, such as 2.5L/min, --wave F, or --inlet NAME=Q for every inlet, "
         "got none; give one."

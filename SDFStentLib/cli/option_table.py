@@ -174,7 +174,7 @@ class Parser(argparse.ArgumentParser):
     """A parser that reports an error in one sentence."""
 
     def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
-        """As inherited, but words left over are an error of the command to which
+        """Parse as inherited, but words left over are an error of the command to which
         they were given."""
         options, rest = super().parse_known_args(args, namespace)
         if rest:

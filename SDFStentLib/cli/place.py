@@ -1,4 +1,4 @@
-"""From the options of the command line to a placement."""
+"""The placement that the options of the command line say."""
 
 from __future__ import annotations
 

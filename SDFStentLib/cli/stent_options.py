@@ -1,4 +1,4 @@
-"""From the options of the command line to a stent, and the same one dilated again."""
+"""The stent that the options of the command line say, and the same one dilated again."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def stents_of(
 
 
 def _stent(options: argparse.Namespace, balloon: float | None, device: Device | None) -> Stent:
-    """At no place yet, and as wide as a balloon leaves it that recoils as usual."""
+    """The stent at no place yet, as wide as a balloon leaves it that recoils as usual."""
     shape, diameter = shape_of(options), options.diameter
     if balloon is not None:
         diameter = balloon_of(balloon, options.recoil).lumen_diameter

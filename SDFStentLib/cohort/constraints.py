@@ -58,13 +58,13 @@ class Where(NamedTuple):
 
     @property
     def reference(self) -> float:
-        """Of the lesion, mm."""
+        """The reference diameter of the lesion, mm."""
         assert self.spot is not None
         assert self.spot.lesion is not None
         return self.spot.lesion.reference_diameter
 
     def axis(self, stent: Stent) -> Line:
-        """On which a stent lies there."""
+        """The axis on which a stent lies there."""
         plan, vessel = self.plan, self.inputs.vessel
         if are_apart(plan.frame, self.inputs.surface.frame):
             stent = turned(stent)
@@ -111,7 +111,7 @@ def _check_ratio(ratio: float, bounds: tuple[float, float], what: str) -> None:
 
 
 def _distances_to_ends(axis: Line, tree: Centerline) -> Iterator[float]:
-    """From the ends of an axis along the centerline to its root and to the outlets below, mm."""
+    """Distances from the ends of an axis along the centerline to root and outlets below, mm."""
     first, last = (tree.project(end) for end in axis.points[[0, -1]])
     yield first.arc_length
     for leaf in tree.leaves:

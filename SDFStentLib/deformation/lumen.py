@@ -1,4 +1,4 @@
-"""From the last radius step to the prescribed lumen.
+"""The way from the last radius step to the prescribed lumen.
 
 The published method leaves the wall within a few hundredths of the smoothed field's level, and a
 lumen of flat facets is narrower than its vertices. Here vertices in contact are put on the true

@@ -53,7 +53,7 @@ Solve = Callable[[Network, Outlets, Known], "tuple[Floats, Floats]"]
 
 
 class FlowAnswer(NamedTuple):
-    """Of a vessel before treatment, and after it where there is one."""
+    """Pressures and flows of a vessel before treatment, and after it where there is one."""
 
     known: Known
     sides: Sides | None
@@ -76,7 +76,7 @@ class FlowAnswer(NamedTuple):
 
     @property
     def right_place(self) -> Place | None:
-        """In the right main branch, mm; None where it is not known."""
+        """A place in the right main branch, mm; None where it is not known."""
         if self.sides is None or not self.sides.is_known:
             return None
         return as_place(self.sides.places[1])
@@ -129,7 +129,7 @@ class FlowModel:
         self._wave_before: SeenFlow | None = None
 
     def _usual_shares(self, clues: SideClues) -> Floats:
-        """Of the flow through the outlets (k,), in the order of the centerline's tree."""
+        """The outlets' shares (k,) of the flow, in the order of the centerline's tree."""
         channels, widths = self._tree_channels, self._tree_widths
         if self._inlets.fractions.keys() >= {*tips_of(channels)}:
             raise InputError(
@@ -291,7 +291,7 @@ class FlowModel:
         return tuple(self._flows[-1][: len(fractions)].tolist())
 
     def _solved(self, solve: Solve, network: Network) -> SeenFlow:
-        """Over the wave; that before treatment is the same for every stent that is tried."""
+        """The solution over the wave; that before treatment is the same for every stent."""
         is_before = network is self._usual.network
         if is_before and self._wave_before is not None:
             return self._wave_before
@@ -303,7 +303,7 @@ class FlowModel:
         return solved
 
     def _moment(self, row: Floats) -> Moment:
-        """From the values of one moment with their bands (q, 3)."""
+        """One moment, made from its values with their bands (q, 3)."""
         bands = [Band(*one) for one in row.tolist()]
         sides, count = bands[1:4], len(self._inlets.names)
         if self._sides is not None and not self._sides.leave_out:
@@ -324,7 +324,7 @@ class FlowModel:
 
 
 def _flows(known: Known, inlets: int) -> tuple[Floats, Floats | None]:
-    """At which a vessel is looked at (t,), mL/s, and of those of a wave, but the last, the weights.
+    """Flows (t,) at which a vessel is solved, mL/s, and weights of those of a wave but the last.
 
     They are the mean and the peak; of a wave those that stand for its cycle, and the peak. Where
     waves of inlets differ, flows (t, i) through all of them.

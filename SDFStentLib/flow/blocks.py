@@ -24,7 +24,7 @@ PER_ML = 1e-6
 
 
 class Blood(NamedTuple):
-    """Of an adult at the shear of large vessels, the values of the SimVascular examples."""
+    """Blood of an adult at the shear of large vessels, the values of the SimVascular examples."""
 
     density: float = 1060.0
     """kg/m^3."""
@@ -121,7 +121,7 @@ def outlet_diameter(channel: Channel, widths: Widths) -> float:
 
 
 def turns_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
-    """By channel (n,) the angle to the one above, each over a diameter of that, radians."""
+    """Angles (n,) of channels to the one above, each over a diameter of that, radians."""
     angles = np.zeros(len(channels))
     for number, channel in enumerate(channels):
         if channel.above >= 0:
@@ -242,7 +242,7 @@ def _summed(step: Floats, values: Floats) -> Floats:
 
 
 def _clings(slowing: Floats, parts: Floats) -> Floats:
-    """Over which share (m,) of the way to the next station blood stays at the wall.
+    """The share (m,) of the way to the next station over which blood stays at the wall.
 
     It parts where `slowing` over `parts` passes 1. That goes evenly from one station to the next
     one, or a jet would be as wide as the next station is, wherever that lies.
@@ -253,7 +253,7 @@ def _clings(slowing: Floats, parts: Floats) -> Floats:
 
 
 class _Jets(NamedTuple):
-    """At all stations (m,), as `Block` has them."""
+    """Jets at all stations (m,), as `Block` has them."""
 
     jet: Floats
     mixing: Floats

@@ -108,7 +108,7 @@ def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]
 
 
 def _with_tips(channels: Sequence[Channel], ends: Sequence[VesselEnd]) -> tuple[Channel, ...]:
-    """With the areas of ends of the vessel, as they are seen along the last diameter before."""
+    """The channels with the areas of their ends as seen along the last diameter before."""
     found = list(channels)
     last = outlets_of(channels)
     tips = np.array([channels[0].points[0], *(channels[number].points[-1] for number in last)])
@@ -154,7 +154,7 @@ class Widths(NamedTuple):
         return np.pi / 4 * self.narrow * self.wide
 
     def turned(self) -> Widths:
-        """From the end on."""
+        """The channel from its end on."""
         return Widths(*(axis[::-1] for axis in self))
 
     def widened(self, by: float) -> Widths:

@@ -34,7 +34,7 @@ def tips_of(channels: Sequence[Channel]) -> list[int]:
 
 
 def tip_diameters(channels: Sequence[Channel], widths: Sequence[Widths], tree: Tree) -> Floats:
-    """As of `outlet_diameter`, of the outlets (k,) of a tree of channels, mm."""
+    """Diameters of the outlets (k,) of a tree of channels, as of `outlet_diameter`, mm."""
     found = []
     for number, sign in zip(tree.outlets.tolist(), tree.signs[tree.outlets].tolist(), strict=True):
         one, size = channels[number], widths[number]
@@ -134,7 +134,7 @@ class Course(NamedTuple):
 
 
 def course_of(channels: Sequence[Channel], flow: Floats, inlets: Mapping[int, float]) -> Course:
-    """By flows (n,) through channels, away from the root, and fractions of it by their nodes."""
+    """The course by flows (n,) through channels, away from the root, and inflows by their nodes."""
     ends = nodes_of(channels)
     drawn = tree_between(ends, inlets)
     # Closed limbs lead from their ends, too.

@@ -184,7 +184,7 @@ def _filled(values: Floats) -> Floats:
 
 
 def _moves(before: Centerline, after: Centerline) -> dict[int, tuple[Floats, Points]]:
-    """Of the branches that have moved arc lengths (k,) of their points, and how far these are."""
+    """The branches that have moved, and how far each of their points has, by arc lengths (k,)."""
     moved = (before.points != after.points).any(axis=1)
     return {
         number: (

@@ -86,7 +86,7 @@ def inlets_of(channels: Sequence[Channel], known: Known, ends: Ends) -> Inlets:
 
 
 def end_names(tree: Centerline, ends: Ends) -> tuple[tuple[str, ...], ...]:
-    """By what every end of a tree is found as an inlet, the root first; those without are left out.
+    """Names by which ends of a tree are found as inlets, the root first; those without are left.
 
     As reports have it, as the user has, and by number and face.
     """
@@ -120,7 +120,7 @@ def begun_branches(tree: Centerline, lines: Points) -> frozenset[int]:
 
 
 def _names(branch: int, ends: Ends) -> tuple[str, ...]:
-    """Of the end of a branch: as reports have it, as the user has, and by number and face."""
+    """Names of the end of a branch: as reports and the user have it, and by number and face."""
     number = f"branch {branch + 1}"
     own = ends.names[branch] if branch < len(ends.names) else number
     given = ends.given[branch] if branch < len(ends.given) else None

@@ -65,7 +65,7 @@ def _pressure(does: str, where: str, **more: Any) -> Any:
 
 @dataclass(frozen=True)
 class Known:
-    """Of a patient before treatment. Immutable; `InputError` for values that contradict."""
+    """The known flow of a patient before treatment; `InputError` for values that contradict."""
 
     mean: float = _flow("flow into the vessel", "mean")
     peak: float | None = _flow("not below the mean; none beside a wave", "peak", default=None)
@@ -121,7 +121,7 @@ class Known:
 
     @property
     def fractions(self) -> tuple[float, ...]:
-        """Of the flow at each inlet."""
+        """The fraction of the flow at each inlet."""
         return tuple(one.mean / self.mean for one in self.inlets) or (1.0,)
 
     @property
@@ -162,7 +162,7 @@ class Known:
 
     @property
     def has_pressures(self) -> bool:
-        """Without them the outlets take fixed shares."""
+        """Whether pressures are known; without them the outlets take fixed shares."""
         return self.inlet is not None
 
     @property

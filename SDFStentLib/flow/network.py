@@ -32,7 +32,7 @@ class Costs(Protocol):
 
     @property
     def tree(self) -> Tree:
-        """Of its n blocks."""
+        """The tree of its n blocks."""
 
     @property
     def resistance(self) -> Floats:
@@ -147,7 +147,7 @@ def steady_states(cases: Sequence[tuple[Costs, Outlets, Floats | float]]) -> lis
 def _laid_over(
     tree: Tree, pressure: Floats, resistance: Floats, inflow: Floats
 ) -> tuple[Floats, Floats]:
-    """As `_step`, with inflows (c, i) at all inlets, and with chords."""
+    """A step as `_step`, with inflows (c, i) at all inlets, and with chords."""
     count = inflow.shape[1] - 1
     flow, inlet = _with_sources(tree, pressure, resistance, inflow, range(count))
     if not len(tree.chords):
@@ -173,7 +173,7 @@ def _laid_over(
 def _with_sources(
     tree: Tree, pressure: Floats, resistance: Floats, inflow: Floats, which: Sequence[int]
 ) -> tuple[Floats, Floats]:
-    """As `_step`, with what comes from some sources behind the inflow at the root (c, 1 + s)."""
+    """A step as `_step`, with what comes from some sources behind the root's inflow (c, 1 + s)."""
     more, rows = inflow[:, 1:], list(which)
     flow, inlet = _step(
         tree, pressure.copy(), resistance.copy(), inflow[:, 0], more @ tree.enters[rows]
@@ -220,7 +220,7 @@ def lost_to(network: Costs, flow: Floats) -> Floats:
 
 
 def lost_along(tree: Tree, cost: Floats) -> Floats:
-    """As `lost_to`, by what blocks cost along themselves (..., n), Pa.
+    """Losses as of `lost_to`, by what blocks cost along themselves (..., n), Pa.
 
     The far end of a block is its end where it leads away from the root of the tree, else where it
     begins.

@@ -167,7 +167,7 @@ def _of_the_right(count: int, sides: Sides | None, known: Known) -> Flags:
 
 
 def outlet_shares(weights: Floats, sides: Sides | None, known: Known) -> Floats:
-    """Of the flow (k,): by the weights of the outlets, and by the split where it is known."""
+    """Shares (k,) of the flow by the weights of the outlets, and by the split where it is known."""
     is_right, shares = _of_the_right(len(weights), sides, known), weights / weights.sum()
     if known.split_right is not None:
         for which, part in ((is_right, known.split_right), (~is_right, 1 - known.split_right)):
@@ -219,7 +219,7 @@ class _Fit:
         return Outlets(resistance, self._wedge)
 
     def missed(self, factors: Floats) -> Floats:
-        """Of the pressure at the inlet, over it, and of the split."""
+        """The errors of the pressure at the inlet, over it, and of the split."""
         at = self.outlets(factors)
         flows = PER_ML * self._flows
         found = steady_states([(self._network, at, one) for one in flows])
@@ -249,7 +249,7 @@ class _Fit:
         return self._between()
 
     def _between(self) -> Floats:
-        """By halving: the pressure at the inlet rises with the resistance of every outlet."""
+        """The root by halving: the inlet pressure rises with the resistance of every outlet."""
         from scipy.optimize import brentq
 
         ends = np.log([NOTHING * self.whole, self.whole / min(map(self._share_of, self.groups))])

@@ -52,7 +52,7 @@ def way_of(channels: Sequence[Channel], flow: Floats) -> ChannelStations:
 
 
 def _feeds(channels: Sequence[Channel], flow: Sequence[float]) -> Iterator[list[tuple[int, float]]]:
-    """As `ChannelStations` has them."""
+    """The feeding channels, as `ChannelStations` has them."""
     for one in channels:
         if one.also:
             which = (one.above, *one.also)
@@ -93,7 +93,7 @@ def bends_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
 
 
 class Profile(NamedTuple):
-    """Of a core and a parabola in the layer at the wall, as Schiller has it."""
+    """A profile of a core and a parabola in the layer at the wall, as Schiller has it."""
 
     core: Floats
     """Its speed over the mean one."""
@@ -104,7 +104,7 @@ class Profile(NamedTuple):
 
 
 def profile_of(layer: Floats) -> Profile:
-    """By the thickness of the layer over the radius (n,)."""
+    """The profile by the thickness of the layer over the radius (n,)."""
     core = 1 / (1 - 2 / 3 * layer + layer**2 / 6)
     energy = (1 - 38 / 35 * layer + 47 / 140 * layer**2) * core**3
     thick = np.maximum(layer, THIN)

@@ -116,7 +116,7 @@ class SeenFlow:
             self._losses[:, :inlets] /= PASCAL_PER_MMHG
 
     def _drop(self, pieces: tuple[Piece, ...]) -> Floats:
-        """Over a part, of all states (c * t, 2), mmHg."""
+        """The drop over a part, of all states (c * t, 2), mmHg."""
         known = self._drops.get(pieces)
         if known is None:
             known = drops_over(pieces, self._networks, self._flows) / PASCAL_PER_MMHG
@@ -125,7 +125,7 @@ class SeenFlow:
     def moments(
         self, known: Known, parts: Sequence[tuple[Piece, ...]], weights: Floats | None = None
     ) -> Floats:
-        """By case, moment and quantity: inlet, shares of sides and limbs, drops for parts, losses.
+        """Values by case, moment and quantity: inlet, shares of sides and limbs, drops, losses.
 
         Of a wave the first states, with weights (t,), make up the mean; without weights the states
         are those of even times of a cycle.
@@ -148,7 +148,7 @@ class SeenFlow:
 
 
 def losses_of(networks: Sequence[Network], flows: Floats, count: int) -> Floats:
-    """From the first inlets, so many, to the outlets: drops, Pa, powers, W, and the whole power.
+    """Losses from so many first inlets to the outlets: drops, Pa, powers, W, and the whole power.
 
     Parameters
     ----------

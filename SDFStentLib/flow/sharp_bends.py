@@ -55,7 +55,7 @@ NONE = SharpBends(np.empty(0, np.int64), np.empty(0), np.empty(0, np.int64))
 
 
 def bend_loss(turn: Floats, radius: Floats) -> Floats:
-    """Of the energy that flows into bends the parts (n,) that are lost, beside friction.
+    """Parts (n,) of the energy that flows into bends that are lost, beside friction.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def _laid_out(
 
 
 def _part(turn: Floats, place: Floats, width: Floats) -> float:
-    """Of the energy what a bend may lose, by how much it turns at places (k,)."""
+    """The part of the energy that a bend may lose, by how much it turns at places (k,)."""
     angle = turn.sum()
     middle = turn @ place / angle
     spread = turn @ ((place - middle) ** 2 - width) / angle
@@ -183,7 +183,7 @@ def _stretches(is_sharp: Flags) -> list[tuple[int, int]]:
 
 
 def _turning(points: Floats, at: Floats, places: Floats, is_inner: Flags) -> Floats:
-    """By how much smoothed directions turn at places but the first and the last one, radians."""
+    """Angles by which smoothed directions turn at places but the first and last one, radians."""
     line = np.column_stack([np.interp(places, at, column) for column in points.T])
     known = is_inner[1:] & is_inner[:-1]
     ways = np.where(known[:, None], np.diff(line, axis=0), 0.0)

@@ -24,7 +24,7 @@ class Piece(NamedTuple):
 
 
 class Drop(NamedTuple):
-    """Of pressure over a part of a vessel, Pa."""
+    """A drop of pressure over a part of a vessel, Pa."""
 
     recovered: float
     """Of the total pressure, with what the jet that leaves the part will still lose. What a jet
@@ -119,7 +119,7 @@ class Ways:
         return self._from_root(one) > self._from_root(other)
 
     def _before(self, number: int) -> dict[int, int]:
-        """Of channels from which blood comes to one: that through which it goes on there."""
+        """The channel, of those from which blood comes to one, through which it goes on there."""
         onward = {number: number}
         waiting = [number]
         # Ends: every channel waits once.

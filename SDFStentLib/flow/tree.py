@@ -105,7 +105,7 @@ class Tree(NamedTuple):
 
 
 def tree_between(ends: Indices, inlets: Mapping[int, float]) -> Tree:
-    """Of blocks between nodes (n, 2), by the fractions of the usual flow that come in at some.
+    """The tree of blocks between nodes (n, 2), by the fractions of flow that come in at some.
 
     The tree begins at the first of them. Other nodes at which only one block ends are outlets.
     """

@@ -204,7 +204,7 @@ def _step(time: Floats) -> float:
 
 
 def _uneven(time: Floats) -> float:
-    """By how much times lie beside even ones, s."""
+    """The distance of times from even ones, s."""
     return float(np.abs(time - np.linspace(0, time[-1], len(time))).max())
 
 
@@ -223,13 +223,13 @@ def _roundness(cycle: float, known: float) -> int:
 
 
 def _digits(value: float, known: float) -> int:
-    """At most four, of a value that is known to so much of itself."""
+    """The number of digits, at most four, of a value that is known to so much of itself."""
     few = (n for n in (1, 2, 3) if abs(float(f"{value:.{n}g}") - value) <= known * value)
     return next(few, 4)
 
 
 def _beats(rows: _Rows) -> int:
-    """Into how many beats that are alike a closed wave falls."""
+    """The number of beats that are alike into which a closed wave falls."""
     period = rows.time[-1]
     most = min(int(period * RATES[1] / 60), len(rows.time) // LEAST_ROWS, MOST_BEATS)
     for count in range(most, 1, -1):

@@ -93,7 +93,7 @@ def _rims(triangles: Triangles, part: Indices) -> tuple[Indices, Indices]:
 
 
 def _rims_of_manifold(triangles: Triangles, part: Indices) -> tuple[Indices, Indices]:
-    """As `_rims`, in a sixth of the time, for one fan at every point and one winding throughout.
+    """Rims as of `_rims`, six times as fast, for one fan at every point and one winding throughout.
 
     Round a point the next corner of each triangle is the last of the one beside it: their numbers
     cancel where the fan is closed, and only there.

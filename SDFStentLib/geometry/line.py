@@ -23,7 +23,7 @@ ROUNDING = 1e-12
 
 
 class SegmentLocations(NamedTuple):
-    """For each of k queries the nearest segment, the fraction along it, foot point, distance."""
+    """The nearest segment of each of k queries, the fraction along it, foot point, distance."""
 
     segments: NDArray[np.int64]
     fractions: Floats
@@ -68,7 +68,7 @@ def _nearest(starts: Floats, ends: Floats, queries: Floats) -> NDArray[np.int64]
 
 
 def _nearest_of_some(starts: Floats, ends: Floats, queries: Floats) -> NDArray[np.int64]:
-    """As `_nearest`, looking only at segments that can be the nearest.
+    """The nearest as of `_nearest`, looking only at segments that can be it.
 
     A segment's squared distance is less than that of its nearer end by the square of half its
     length at most.

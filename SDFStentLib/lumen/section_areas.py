@@ -257,7 +257,7 @@ def _holds(cuts: _Cuts, pieces: Indices, place: Floats) -> bool:
 
 
 def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points) -> _Cuts:
-    """As `plane_section`: a point in a plane counts as above it, so that nothing is cut twice."""
+    """Cuts as of `plane_section`: a point in a plane is above it, so that nothing is cut twice."""
     heights = product(normals, points.T) - dot(normals, centers)[:, None]
     is_above = heights >= 0
     # A bit for each station: eight are compared at once.

@@ -52,7 +52,7 @@ class PlanComparison:
 
     @property
     def results(self) -> dict[str, PlanResult]:
-        """Of the plans that could be carried out, by name."""
+        """The results of the plans that could be carried out, by name."""
         return {one.name: one.result for one in self.alternatives if one.result is not None}
 
 

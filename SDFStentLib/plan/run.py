@@ -101,7 +101,7 @@ def flow_answer(
 
 
 def _whole_way(vessel: Vessel) -> Part:
-    """From the inlet to the end that is farthest from it."""
+    """The way from the inlet to the end that is farthest from it."""
     tree = vessel.centerline
     assert tree is not None
     end = max(tree.leaves, key=lambda leaf: tree.arc_length[leaf])
@@ -119,7 +119,7 @@ class PlanResult:
 
     @cached_property
     def warnings(self) -> tuple[Caution, ...]:
-        """Of reading, of the axes in the vessel and of the treatment."""
+        """The warnings of reading, of the axes in the vessel and of the treatment."""
         axes = _axes_in_space(_stents(self.plan, self.inputs), self.inputs.surface)
         return (*self.inputs.warnings, *axes, *self.treatment.warnings)
 

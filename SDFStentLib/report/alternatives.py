@@ -91,7 +91,7 @@ def _per_stent(
 
 
 def _labels(stents: Sequence[Facts]) -> list[str]:
-    """In front of what is said of a stent: its name or number; one stent alone needs none."""
+    """The label before what is said of a stent: name or number; one stent alone needs none."""
     if len(stents) == 1:
         return [""]
     return [f"{one.value('name') or 'Stent {}'.format(one.value('number'))}: " for one in stents]

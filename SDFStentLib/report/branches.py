@@ -50,12 +50,12 @@ def beside_facts(stent: TreatedStent) -> Iterator[Fact]:
 
 
 def _largest(values: Iterable[float]) -> float:
-    """Of those that are known."""
+    """The largest of those that are known."""
     return float(max(filter(math.isfinite, values), default=math.nan))
 
 
 def contact_words(found: Apposition | None) -> str:
-    """Over which length a stent does not touch the wall all round; "" where it touches."""
+    """The length over which a stent does not touch the wall all round; "" where it touches."""
     if found is None or not found.stretches:
         return ""
     if found.is_loose:

@@ -36,7 +36,7 @@ _TRIANGLES = {
 
 
 def input_facts(result: PlanResult) -> list[Facts]:
-    """Of every input file: what it is, and which one."""
+    """Facts of every input file: what it is, and which one."""
     surface, line_file = result.inputs.surface, result.inputs.line_file
     found = [
         Facts(
@@ -226,7 +226,7 @@ DOCUMENTS = ("sdfstent-report", "sdfstent-comparison")
 
 
 def output_list(files: Mapping[str, str]) -> list[dict[str, str]]:
-    """For a document: files as seen from its folder, and their SHA-256."""
+    """Files as seen from the folder of a document, and their SHA-256."""
     return [{"file": name, "sha256": found} for name, found in files.items()]
 
 

@@ -84,7 +84,7 @@ def comparison_document(comparison: PlanComparison) -> dict[str, Any]:
 def comparison_pictures(
     comparison: PlanComparison, *, hides_device: bool = False
 ) -> list[bytes] | str:
-    """Of every sheet of the page its picture, or the sentence that says why there is none.
+    """The picture of every sheet of the page, or the sentence that says why there is none.
 
     Empty for a sheet on which no plan could be carried out. `hides_device` as of
     `alternatives_picture`.
@@ -130,7 +130,7 @@ def comparison_page(document: Mapping[str, Any], pictures: Sequence[bytes] | str
 
 
 def _sheets(things: Sequence[Any]) -> list[Sequence[Any]]:
-    """As few sheets as it takes, and about as many plans on each."""
+    """The sheets, as few as it takes, with about as many plans on each."""
     sheets = -(-len(things) // SIDE_BY_SIDE)
     width = -(-len(things) // max(sheets, 1))
     return [things[start : start + width] for start in range(0, len(things), max(width, 1))]

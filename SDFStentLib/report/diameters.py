@@ -59,7 +59,7 @@ def line_facts(line: MeasuredLine, units: str = "mm") -> Facts:
 
 
 def diameter_table(facts: Facts) -> str:
-    """Of `line_facts`: lines of text, a row per place."""
+    """The table of `line_facts`: lines of text, a row per place."""
     columns = [one for one in facts if one.label]
     heads = [f"{one.label} ({one.unit})" for one in columns]
     digits = [1, *[2] * (len(columns) - 1)]

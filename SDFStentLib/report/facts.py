@@ -133,7 +133,7 @@ class Facts(tuple[Fact, ...]):
         return next((one.after for one in self if one.key == key), None)
 
     def as_dict(self) -> dict[str, Any]:
-        """For a document: values by key."""
+        """Values by key, for a document."""
         found: dict[str, Any] = {}
         for one in self:
             for path, value in () if one.key[:1] in ("", "_") else one.named_values(one.key):
@@ -144,7 +144,7 @@ class Facts(tuple[Fact, ...]):
         return found
 
     def columns(self) -> dict[str, Any]:
-        """For a row of a table."""
+        """Columns of a row of a table."""
         return {
             name: value
             for one in self
@@ -153,11 +153,11 @@ class Facts(tuple[Fact, ...]):
         }
 
     def rows(self) -> list[tuple[str, str]]:
-        """For a page: name and value of what treatment does not change."""
+        """Name and value of what treatment does not change, for a page."""
         return [(one.label, one.words) for one in self._labeled() if not one.was]
 
     def changes(self, levels: Sequence[int] = LEVELS) -> list[tuple[str, str, str]]:
-        """For a page: name, before and after, of what is told at some levels."""
+        """Name, value before and after, of what is told at some levels, for a page."""
         return [
             (one.label, one.was, one.words)
             for one in self._labeled()
@@ -170,7 +170,7 @@ class Facts(tuple[Fact, ...]):
 
     @property
     def sentences(self) -> list[str]:
-        """For the shell: those that are sentences."""
+        """The facts that are sentences, for the shell."""
         return [one.words for one in self.at(LINES) if not one.label]
 
     def _labeled(self) -> Iterable[Fact]:

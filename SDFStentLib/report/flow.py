@@ -150,7 +150,7 @@ def _section(answer: FlowAnswer, name: str, moment: Moment) -> dict[str, Any]:
 
 
 def _limb_name(limb: Channel) -> str:
-    """By its least diameter, and a place halfway."""
+    """The name of a limb by its least diameter, and a place halfway."""
     place = limb.points[len(limb.points) // 2]
     return f"limb of {np.nanmin(limb.inscribed):.1f} mm at {place_words(place)}"
 
@@ -200,7 +200,7 @@ def flow_line(section: Section) -> str:
 
 
 def flow_columns(section: Section, number: int) -> dict[str, float]:
-    """Of a stent's row in a table, at the mean flow: all before, then all after treatment.
+    """Columns of a stent's row at the mean flow: all before, then all after treatment.
 
     NaN for one that lies within a later one.
     """
@@ -265,7 +265,7 @@ def _shares(states: Sequence[Section]) -> Iterator[Fact]:
 
 
 def _drop(name: str, states: Sequence[Section]) -> Fact:
-    """Over a narrowing; that of a stent is told first."""
+    """The drop over a narrowing; that of a stent is told first."""
     kinds = {kind: _each(states, f"{kind}_mmhg") for kind in ("recovered", "maximal")}
     told: dict[str, Any] = {"short": "drop", "tile": "Pressure drop", "worst": max}
     if name.startswith("stent ") and len(states) > 1:

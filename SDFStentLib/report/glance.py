@@ -98,7 +98,7 @@ def _about_lumen(lumen: float, covered: Sequence[Lesion]) -> Fact:
 def previewed_lines(
     placed: PlacedStent, numbers: PreviewedNumbers, lesions: Sequence[Lesion]
 ) -> list[str]:
-    """Of a preview: size, about the narrowest lumen and the stenosis left, and that it is one.
+    """Lines of a preview: size, about the narrowest lumen and the stenosis left; that it is one.
 
     And how many branches are covered, where these are not as many as before.
     `lesions` are those of the vessel, as far as they are known.
@@ -119,18 +119,18 @@ def previewed_sentences(
 
 
 def previewed_tiles(numbers: Sequence[PreviewedNumbers]) -> list[Tile]:
-    """Of a preview, by what there is of every stent: narrowest lumen and stenosis left, about."""
+    """Tiles of a preview, by its numbers of every stent: narrowest lumen and stenosis left."""
     return [one.tiled for one in preview_facts(numbers).at(GLANCE) if one.tile]
 
 
 def _ratios(placed: PlacedStent, lesions: Sequence[Lesion]) -> Iterator[SizeRatios]:
-    """Of a stent to the tightest lesion that it covers; nothing where it covers none."""
+    """Ratios of a stent to the tightest lesion that it covers; nothing where it covers none."""
     for lesion in lesions_within(lesions, placed.axis.points)[:1]:
         yield stent_ratios(placed.stent, lesion)
 
 
 def measuring_lines(placed: PlacedStent) -> list[str]:
-    """Of a stent that is in its place, and not measured yet."""
+    """Lines of a stent that is in its place, and not measured yet."""
     return [_size(placed), MEASURING]
 
 
@@ -142,7 +142,7 @@ def measured_lines(
     cautions: Sequence[Caution] = (),
     flow: Mapping[str, Any] | None = None,
 ) -> list[str]:
-    """Of a stent after its deployment, at most eight; the last is the certificate's word.
+    """At most eight lines of a deployed stent; the last is the certificate's word.
 
     Before that is the gravest warning, where there is one, that of the stent first of equals.
 
@@ -168,7 +168,7 @@ def _size(placed: PlacedStent) -> str:
 
 
 def _flow(flow: Mapping[str, Any], row: int) -> str:
-    """At the mean flow: the side that gains most, and the drop over the stent."""
+    """The side that gains most at the mean flow, and the drop over the stent."""
     facts = flow_facts(flow, "mean").at(GLANCE)
     return ", ".join(one.at_hand for one in facts if one.key in ("share", f"stent {row}"))
 
@@ -180,7 +180,7 @@ def result_tiles(
     cautions: Sequence[Caution] = (),
     flow: Mapping[str, Any] | None = None,
 ) -> list[Tile]:
-    """Of a treatment, what has to be known first in front; all of `COMPARED` are among them.
+    """Tiles of a treatment, what has to be known first in front; all of `COMPARED` are among them.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def result_tiles(
 
 
 def _worst(facts: Iterable[Fact]) -> Iterator[Fact]:
-    """Of every fact that is told first the worst of all stents; NaN is worse than any."""
+    """The worst of all stents for every fact that is told first; NaN is worse than any."""
     alike: dict[str, list[Fact]] = {}
     for one in facts:
         alike.setdefault(one.tile or one.label, []).append(one)

@@ -39,7 +39,7 @@ Moments = Sequence[tuple[str, Facts]]
 
 
 class Cell(NamedTuple):
-    """Of a table, with a class of its own in place of its column's."""
+    """A cell of a table, with a class of its own in place of its column's."""
 
     text: str
     look: str

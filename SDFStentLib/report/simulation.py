@@ -50,7 +50,7 @@ def mesh_sentences(prepared: Prepared) -> list[str]:
 
 
 def _mesh_words(name: str, state: Section) -> str:
-    """Of the fine mesh of a state, as its document has it."""
+    """Words about the fine mesh of a state, as its document has it."""
     mesh = state["meshes"]["fine"]
     return (
         f"{name.capitalize()}: {mesh['tetrahedra']} tetrahedra, angles from "
@@ -61,7 +61,7 @@ def _mesh_words(name: str, state: Section) -> str:
 
 
 def _pressure_words(level: float | None) -> list[str]:
-    """Of a wedge pressure that the solver has no place for."""
+    """Words about a wedge pressure that the solver has no place for."""
     if not level:
         return []
     return [
@@ -125,7 +125,7 @@ def _section(found: Simulated, state: str, fine: Found, coarse: Found | None) ->
 
 
 def _error(name: str, fine: float, coarse: Mapping[str, float]) -> float:
-    """Of a value on the fine mesh."""
+    """The error of a value on the fine mesh."""
     return (2.0 if name.startswith("shear") else 1.0) * abs(fine - coarse[name])
 
 

@@ -56,7 +56,7 @@ class Cycle(NamedTuple):
 
 
 class Conditions(NamedTuple):
-    """At the ends of a segment in one state of its vessel."""
+    """Conditions at the ends of a segment in one state of its vessel."""
 
     ends: tuple[End, ...]
     """The first is that which is called the inlet, and its flow is known."""
@@ -80,7 +80,7 @@ class Conditions(NamedTuple):
 
     @property
     def offset(self) -> float:
-        """By how much pressures are above those that the solver has, dyn/cm^2."""
+        """The amount by which pressures are above those that the solver has, dyn/cm^2."""
         return self.wedge - self.distal
 
 
@@ -106,7 +106,7 @@ class EndFlows:
         return steady_states([(self._network, self._outlets, PER_ML * one) for one in flows])
 
     def _mean(self, values: Sequence[float]) -> float:
-        """Of values of the states."""
+        """The mean of values of the states."""
         return float(self._weights @ np.array(values))
 
     def out_of(self, segment: Segment) -> dict[str, float]:
@@ -204,7 +204,7 @@ def conditions_of(
 def _ends(
     segment: Segment, means: Mapping[str, float], resistances: Mapping[str, float]
 ) -> tuple[End, ...]:
-    """By what leaves through the ends, mL/s, and resists beyond them."""
+    """The ends by what leaves through them, mL/s, and resists beyond them."""
     _, *others = ends_of(segment)
     areas = {face.name: face.area for face in others if means[face.name] > 0}
     if resistances:

@@ -1,4 +1,4 @@
-"""Between which ends of a vessel flow is solved, and tube where vessel is missing."""
+"""The ends of a vessel between which flow is solved, and tube where vessel is missing."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ def extended(segment: Segment, name: str, by: float) -> Segment | None:
 
 
 def _strip(low: Triangles, high: Triangles) -> Triangles:
-    """Between the sides (k, 2) of one ring and those of the next."""
+    """Triangles between the sides (k, 2) of one ring and those of the next."""
     (a, b), (c, d) = low.T, high.T
     return np.vstack([np.column_stack([a, b, d]), np.column_stack([a, d, c])])
 

@@ -117,7 +117,7 @@ FILES = frozenset({DOCUMENT, "run.sh", "job.sbatch", "before", "after", "coarse"
 
 
 class Origin(NamedTuple):
-    """Of the vessel."""
+    """The origin of the vessel."""
 
     inputs: Mapping[str, Any]
     notice: str

@@ -43,7 +43,7 @@ class Filled(NamedTuple):
 
 
 class Mesh(NamedTuple):
-    """Of one state."""
+    """The mesh of one state."""
 
     made: Remeshed
     volume: VolumeMesh
@@ -72,7 +72,7 @@ class Lines(NamedTuple):
 
 
 class State(NamedTuple):
-    """Of the vessel."""
+    """A state of the vessel."""
 
     segment: Segment
     conditions: Conditions

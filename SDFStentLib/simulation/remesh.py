@@ -63,7 +63,7 @@ class Axis(NamedTuple):
     """(k,) of the lumen there, mm."""
 
     def nearest(self, points: Points) -> Indices:
-        """By place (n, 3) the point of the centerlines in whose vessel it is, or least outside."""
+        """The point of the centerlines in whose vessel each place (n, 3) is, or least outside."""
         # Late: scipy costs what a first frame should not pay.
         from scipy.spatial import cKDTree
 
@@ -73,7 +73,7 @@ class Axis(NamedTuple):
         return np.asarray(near[np.arange(len(points)), best])
 
     def radius_at(self, points: Points) -> Floats:
-        """Of the vessel in which places (n, 3) are, mm."""
+        """Radii of the vessel in which places (n, 3) are, mm."""
         return np.asarray(self.radius[self.nearest(points)])
 
 

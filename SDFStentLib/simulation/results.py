@@ -25,7 +25,7 @@ HIGH = 99.0
 
 
 class FaceFlow(NamedTuple):
-    """Through one end of a segment."""
+    """The flow through one end of a segment."""
 
     flow: float
     """mL/s, out of the vessel."""
@@ -36,7 +36,7 @@ class FaceFlow(NamedTuple):
 
 
 class Found(NamedTuple):
-    """In one frame, or the mean over some."""
+    """Quantities in one frame, or their mean over some."""
 
     faces: dict[str, FaceFlow]
     shear: tuple[float, float]
@@ -48,7 +48,7 @@ class Found(NamedTuple):
 
 
 class CaseResult(NamedTuple):
-    """Of one state in one mesh."""
+    """The results of one state in one mesh."""
 
     mean: Found
     peak: Found | None
@@ -134,7 +134,7 @@ class SolvedCase:
         )
 
     def _order(self, points: Points, path: Path) -> Indices:
-        """For every point of the mesh that of a result."""
+        """The point of a result for every point of the mesh."""
         mesh = self.volume.points
         if len(points) == len(mesh) and np.abs(points - mesh).max() <= SAME:
             return np.arange(len(mesh))
@@ -149,7 +149,7 @@ class SolvedCase:
         return np.asarray(order)
 
     def _through(self, number: int, velocity: Floats, pressure: Floats) -> FaceFlow:
-        """By the middles of the sides of triangles, exact for squares of what is linear."""
+        """Integrals by the middles of triangles' sides, exact for squares of what is linear."""
         triangles = self.surface.triangles[self.faces.ids == number]
         corners = self.surface.points[triangles] / 10
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
@@ -165,7 +165,7 @@ class SolvedCase:
         return FaceFlow(flow, mean, moving)
 
     def _shear(self, velocity: Floats) -> tuple[float, float]:
-        """From the gradient in the tetrahedra at the wall, Pa."""
+        """Wall shear from the gradient in the tetrahedra at the wall, Pa."""
         corners = self.volume.points[self._behind] / 10
         arms = corners[:, 1:] - corners[:, :1]
         speeds = velocity[self._behind]
@@ -200,7 +200,7 @@ class SolvedCase:
 
 
 def _slices(volume: VolumeMesh, way: Points, wall: Points) -> tuple[Indices, Floats]:
-    """By point of the mesh the nearest point of a way, -1 beyond the lumen round it; and a volume.
+    """The nearest point of a way to each of the mesh, -1 beyond the lumen round it; and a volume.
 
     Side branches lie farther from the way than the wall round it.
     """

@@ -68,7 +68,7 @@ _LINEAR = {
 
 
 class TimeSteps(NamedTuple):
-    """Of time."""
+    """The steps of time."""
 
     length: float
     """s."""
@@ -210,7 +210,7 @@ def _equation(bounds: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _windkessel(outlet: End, pressure: float) -> dict[str, float]:
-    """Of the same mean pressure as the resistance above a distal one, at which it begins."""
+    """A windkessel of the same mean pressure as the resistance above a distal one."""
     distal = (1 - PROXIMAL) * outlet.value
     return {
         "Proximal_resistance": PROXIMAL * outlet.value,

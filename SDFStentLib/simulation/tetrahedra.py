@@ -36,7 +36,7 @@ _SIDES = [(0, 1, 2, 3), (0, 2, 1, 3), (0, 3, 1, 2), (1, 2, 0, 3), (1, 3, 0, 2), 
 
 
 class Quality(NamedTuple):
-    """Of a volume mesh."""
+    """The quality of a volume mesh."""
 
     points: int
     tetrahedra: int
@@ -79,7 +79,7 @@ def quality(volume: VolumeMesh) -> Quality:
 
 
 def dihedral_angles(points: Points, tetrahedra: Indices) -> Floats:
-    """Between the sides of tetrahedra (t, 6), degrees."""
+    """Angles (t, 6) between the sides of tetrahedra, degrees."""
     corners = points[tetrahedra]
     found = []
     for a, b, c, d in _SIDES:
@@ -101,7 +101,7 @@ def _by_tetgen(points: Points, triangles: Indices) -> tuple[Points, Indices]:
 
 
 def _sizes(points: Points, made: Remeshed) -> Floats:
-    """Of edges at points (n, 3): the mean at the nearest point of the surface, mm."""
+    """Sizes of edges at points (n, 3): the mean at the nearest point of the surface, mm."""
     from scipy.spatial import cKDTree
 
     wall = made.surface.points

@@ -1,4 +1,4 @@
-"""From the balloon to the lumen: a stent recoils when the balloon is let down.
+"""The way from the balloon to the lumen: a stent recoils when the balloon is let down.
 
 Source of the rule: Palmaz stents in pulmonary arteries and veins, aorta and superior vena cava
 (abstract, Cardiology in the Young): balloons of 8.2 +- 2.4 mm left lumens of 7.7 +- 2.3 mm, a

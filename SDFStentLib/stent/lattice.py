@@ -82,7 +82,7 @@ class LatticeDesign:
         as_number(self.crimped_diameter, "crimped diameter", unit="mm", above=0, maximum=100)
 
     def expansion_at(self, radius: float, widest: float) -> float:
-        """Of a stent that is now so wide as `radius` where it will be `widest`, mm: 0 to 1."""
+        """The expansion, 0 to 1, of a stent that is `radius` now and `widest` in the end, mm."""
         packed = min(self.crimped_diameter / 2, widest)
         return float(np.clip((radius - packed) / max(widest - packed, 1e-9), 0, 1))
 
@@ -126,7 +126,7 @@ class Lattice:
 
 
 def design_of(stent: Stent) -> LatticeDesign:
-    """With the cells of its device where they are known, else closed ones."""
+    """The design with the cells of the stent's device where they are known, else closed ones."""
     cells = None if stent.device is None else stent.device.cell
     return LatticeDesign(cells if cells in LATTICE_CELLS else "closed")
 

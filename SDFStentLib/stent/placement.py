@@ -137,7 +137,7 @@ class OfStent(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class AtLesion(ByValue):
-    """At a lesion of the vessel, by its number from 1 as `measure` lists them.
+    """The place at a lesion of the vessel, by its number from 1 as `measure` lists them.
 
     With an `offset` the middle of the stent is so many mm distal of the middle of the lesion.
     Without one it is there, or, where the stent is shorter than the lesion, as much nearer to the

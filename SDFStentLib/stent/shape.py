@@ -190,7 +190,7 @@ class Shape:
 
 
 def _smooth_step(values: Floats) -> Floats:
-    """From 0 to 1, level at both."""
+    """A step from 0 to 1, level at both."""
     values = np.clip(values, 0, 1)
     return values**2 * (3 - 2 * values)
 

@@ -160,7 +160,7 @@ class Stent(ByValue):
 
     @property
     def inflated_diameter(self) -> float:
-        """Of the balloon that expands it, or its own where there is none, mm."""
+        """The diameter of the balloon that expands it, or its own where there is none, mm."""
         return self.diameter if self.balloon is None else self.balloon.diameter
 
     @property

@@ -101,7 +101,7 @@ def _with_known(stent: TreatedStent, lesions: Sequence[TreatedLesion]) -> Treate
 
 
 def _tightest_within(line: Line, lesions: Sequence[Lesion]) -> Lesion | None:
-    """Of those whose narrowest place is known and lies between the ends of a stent."""
+    """The tightest lesion whose narrowest place is known and lies between the ends of a stent."""
     known = [one for one in lesions if not np.isnan(one.minimum_diameter)]
     within = lesions_within(known, line, beyond=0.0)
     return min(within, key=lambda lesion: lesion.minimum_diameter, default=None)
@@ -198,7 +198,7 @@ def residual_of(lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent])
 
 
 class _Span(NamedTuple):
-    """From where to where a stent lies along a vessel, mm from the root."""
+    """The span along a vessel in which a stent lies, mm from the root."""
 
     start: float
     end: float
@@ -234,7 +234,7 @@ def _spans(lesion: Lesion, stents: Sequence[PlacedStent]) -> list[_Span]:
 
 
 def _beside(at: float, spans: Sequence[_Span]) -> tuple[str, int, float]:
-    """On which side of which stent a place lies, and how far from its end."""
+    """The stent beside which a place lies, on which side, and how far from its end."""
     within = [span.stent for span in spans if span.start <= at <= span.end]
     if within:
         # Of a stent that was dilated again as another one, the one that lies there in the end.

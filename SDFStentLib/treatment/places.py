@@ -26,7 +26,7 @@ class Landmarks(NamedTuple):
     branch_names: Sequence[str]
 
     def lesion(self, number: int) -> Lesion:
-        """By number from 1; `InputError` for one that is not there."""
+        """The lesion with a number from 1; `InputError` for one that is not there."""
         count = len(self.lesions)
         if not count:
             raise InputError("lesion: expected a vessel with one, got none; give another place.")
@@ -63,7 +63,7 @@ class Landmarks(NamedTuple):
         return float(start), float(end)
 
     def nearest_lesion(self, point: Points | None) -> AtLesion:
-        """At the lesion nearest to a point (3,), or the first one; `InputError` for none."""
+        """The place at the lesion nearest to a point (3,), or the first; `InputError` for none."""
         self.lesion(1)
         if point is None:
             return AtLesion(1)
@@ -106,7 +106,7 @@ class StentMiddle(NamedTuple):
         return self.way.at(np.array([self.at]))[0]
 
     def placement(self, deployed_length: float, tree: Centerline) -> AtCenter | AtDistalEnd:
-        """By its middle; where that is not enough to lead into the branch, by its distal end."""
+        """The placement by its middle, or by its distal end where the branch needs that."""
         distal = self.at + deployed_length / 2
         if distal <= self.start or distal > self.way.arc_lengths[-1]:
             return AtCenter(self.point)

@@ -165,7 +165,7 @@ def healthy_vessel(
 
 
 def _references(places: Floats, lesions: Sequence[Lesion]) -> tuple[Floats, Flags]:
-    """By place (n, 3) the reference of the lesion there, mm, NaN where there is none, and whether
+    """The reference of the lesion at each place (n, 3), mm, NaN where there is none, and whether
     the place is in it by more than its ends are known to."""
     found = np.full(len(places), np.nan)
     is_deep = np.zeros(len(places), dtype=bool)
@@ -194,6 +194,6 @@ def _in_junction(places: Floats, lumen: Floats, lesions: Sequence[Lesion]) -> Fl
 
 
 def _widest_near(along: Floats, widths: Floats, reach: Floats) -> Floats:
-    """By station (n,) the greatest known one of some widths within a reach, mm."""
+    """The greatest known one of some widths within a reach of each station (n,), mm."""
     near = np.abs(along[:, None] - along[None, :]) <= reach[:, None]
     return np.asarray(np.fmax.reduce(np.where(near, widths[None, :], np.nan), axis=1))

@@ -37,7 +37,7 @@ MOST_STATIONS = 24
 
 
 class PreviewedNumbers(NamedTuple):
-    """About what one stent of a preview does."""
+    """Approximate numbers of one stent of a preview."""
 
     lumen: float
     """Smallest inscribed diameter along it, mm; NaN where the proxy is too coarse."""
@@ -64,7 +64,7 @@ class PreviewedStent(PlacedStent):
     state: ProxyState
 
     def minimum_lumen(self) -> float:
-        """About the smallest inscribed diameter along the stent once it is finished, mm.
+        """The approximate smallest inscribed diameter along the stent once it is finished, mm.
 
         NaN where the proxy is too coarse for the lumen.
         """
@@ -72,7 +72,7 @@ class PreviewedStent(PlacedStent):
         return float(self.diameters(self.axis.line.resampled(spacing).points).min())
 
     def diameters(self, places: Points) -> Floats:
-        """About the same at two places or more along the vessel (n, 3), before later stents.
+        """Approximate diameters at two places or more along the vessel (n, 3), before later stents.
 
         Measured among the points of the proxy, which lie near the stent.
         """
@@ -101,7 +101,7 @@ class PreviewState:
     def numbers(
         self, lesions: Sequence[Lesion] = (), measured: Sequence[TreatedStent] = ()
     ) -> tuple[PreviewedNumbers, ...]:
-        """About what each of the stents does, and what they leave of the vessel's lesions.
+        """Approximate numbers of each of the stents, and what they leave of the vessel's lesions.
 
         `measured` are stents of the last treatment of this vessel, from which they were moved.
         """

@@ -53,7 +53,7 @@ def prescribed_diameters(stent: Stent, axis: StentAxis, arc_length: Floats) -> F
 
 
 def named_states(deployment: Deployment, label: str) -> Iterator[DeploymentState]:
-    """Of a deployment; its errors name the stent."""
+    """The states of a deployment; its errors name the stent."""
     with labeled(label):
         yield from deployment
 
@@ -67,17 +67,17 @@ class Stage(NamedTuple):
 
     @property
     def number(self) -> int:
-        """Of the stent in the plan, from 1."""
+        """The number of the stent in the plan, from 1."""
         return self.placed.number
 
     @property
     def stent(self) -> Stent:
-        """With all of its sizes."""
+        """The stent with all of its sizes."""
         return self.placed.stent
 
     @property
     def axis(self) -> StentAxis:
-        """On which it lies."""
+        """The axis on which it lies."""
         return self.placed.axis
 
     @property
@@ -86,5 +86,5 @@ class Stage(NamedTuple):
         return self.deployment.result
 
     def radius_at(self, arc_length: Floats) -> Floats:
-        """Of the stent at some arc lengths of its axis, mm."""
+        """Radii of the stent at some arc lengths of its axis, mm."""
         return prescribed_diameters(self.stent, self.axis, arc_length) / 2

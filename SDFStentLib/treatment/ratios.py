@@ -74,7 +74,7 @@ class SizeRatios:
 
     @property
     def adjacent_diameter(self) -> float:
-        """Of the healthy vessel where that is narrowest, mm."""
+        """The diameter of the healthy vessel where that is narrowest, mm."""
         return self.healthy.narrowest
 
     @property

@@ -71,7 +71,7 @@ class SizingWishes:
 
     @property
     def rule(self) -> str:
-        """By which the sizes are chosen, in words."""
+        """The rule by which the sizes are chosen, in words."""
         times = "" if self.ratio == 1 else f"{self.ratio:g} times "
         length = "that of the device"
         if self.own_length is None:

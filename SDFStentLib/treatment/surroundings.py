@@ -62,7 +62,7 @@ class Survey(NamedTuple):
 
 
 class TreeNames(NamedTuple):
-    """By what side branches are found and called."""
+    """The names by which side branches are found and called."""
 
     centerline: Centerline | None
     """As a stent finds it. Without it branches are found, and followed through their lumen."""
@@ -82,7 +82,7 @@ _known: WeakKeyDictionary[Surface, tuple[bytes, TreeNames, Survey]] = WeakKeyDic
 
 
 class Surroundings(NamedTuple):
-    """Of one stent, when all have been deployed."""
+    """The surroundings of one stent, when all have been deployed."""
 
     after: DiameterProfile
     """At the stations of its survey."""

@@ -251,7 +251,7 @@ class Treatment:
 
     @property
     def _rows(self) -> dict[int, int]:
-        """By which the stents are counted, by their numbers."""
+        """The rows by which the stents are counted, by their numbers."""
         return {one.number: one.placed.row for one in self._stages}
 
     @cached_property
@@ -276,7 +276,7 @@ class Treatment:
         yield from narrowed(own, treated.after)
 
     def _certificate(self, after: Surface, moved: NDArray[np.int64]) -> Certificate:
-        """For one stent its own, for several from the input to the end of the last one."""
+        """The certificate of one stent, or of several from the input to the end of the last one."""
         only = self._stages[0].result.certificate
         if len(self._stages) == 1 and only is not None:
             return only
@@ -325,7 +325,7 @@ class Treatment:
     def _warnings_of(
         self, stage: Stage, done: TreatedStent, after: Surface, check: LumenCheck | None
     ) -> Iterator[Caution]:
-        """About one stent, which is named later."""
+        """The warnings about one stent, which is named later."""
         yield from stage.axis.warnings
         is_first = stage is self._stages[0]
         if check is None:

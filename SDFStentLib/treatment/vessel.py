@@ -70,7 +70,7 @@ class Vessel:
 
     @cached_property
     def branch_names(self) -> tuple[str, ...]:
-        """Of the centerline's branches, from that at the root on."""
+        """The names of the centerline's branches, from that at the root on."""
         tree = self.centerline
         if tree is None:
             return ()

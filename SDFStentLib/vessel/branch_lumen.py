@@ -67,12 +67,12 @@ class TreeLumen:
 
     @cached_property
     def rough(self) -> tuple[BranchLumen, ...]:
-        """With `StationSearch.rough` spheres."""
+        """The lumen with `StationSearch.rough` spheres."""
         return self._told(self.spheres.rough)
 
     @cached_property
     def exact(self) -> tuple[BranchLumen, ...]:
-        """With the largest spheres."""
+        """The lumen with the largest spheres."""
         return self._told(self.spheres.exact())
 
     def stations_of(self, run: VesselRun) -> Indices:

@@ -85,7 +85,7 @@ def named_branches(
     faces: NamedFaces | None = None,
     given: Sequence[str | None] = (),
 ) -> tuple[str | None, ...]:
-    """For every branch the name that the user or the faces of the model give it, None without one.
+    """The name of every branch that the user or the faces of the model give it, None without one.
 
     Arguments as of `branch_names`. A branch to several ends has one where all of them have.
     """
@@ -101,7 +101,7 @@ def named_branches(
 def _leading_to(
     surface: Surface, centerline: Centerline, faces: NamedFaces | None
 ) -> list[set[int]]:
-    """By branch the faces at the ends to which it leads; at the root that of its own end."""
+    """The faces at the ends to which each branch leads; at the root that of its own end."""
     face_at = {} if faces is None else faces_at_ends(surface, centerline, faces)
     leads_to = _faces_beyond(centerline, face_at)
     found = []
@@ -116,7 +116,7 @@ def _leading_to(
 
 
 def faces_at_ends(surface: Surface, centerline: Centerline, faces: NamedFaces) -> dict[int, int]:
-    """By points of a centerline at which it ends: the face of the model there that is a cap."""
+    """The face of the model that is a cap at each point of a centerline at which it ends."""
     caps = _caps(surface, faces)
     return {
         int(end): number
@@ -148,7 +148,7 @@ def _cap_near(point: Points, caps: dict[int, tuple[Points, float]]) -> int | Non
 
 
 def _faces_beyond(centerline: Centerline, face_at: dict[int, int]) -> dict[int, set[int]]:
-    """By centerline point: the faces at the leaves beyond it, for the ends of branches."""
+    """The faces at the leaves beyond each centerline point, for the ends of branches."""
     beyond: dict[int, set[int]] = {int(branch[-1]): set() for branch in centerline.branches}
     for leaf in centerline.leaves:
         way: Indices = centerline.ancestry(leaf)

@@ -38,7 +38,7 @@ def given_names(
     names: Sequence[VesselName],
     faces: NamedFaces | None = None,
 ) -> tuple[str | None, ...]:
-    """For every branch of a centerline what the user calls its vessel; None without a name.
+    """The user's name of the vessel of every branch of a centerline; None without a name.
 
     Empty without any names.
 
@@ -82,7 +82,7 @@ def given_names(
 def _spread(
     marked: dict[int, str], runs: Sequence[VesselRun], centerline: Centerline
 ) -> tuple[str | None, ...]:
-    """By branch the name that holds for it, of the branches that are marked."""
+    """The name that holds for each branch, of the branches that are marked."""
     found: list[str | None] = [None] * len(centerline.branches)
     chains = _chains(runs)
     left_at = {

@@ -103,7 +103,7 @@ def lesions_after(
 
 
 def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
-    """At which points (k,) of a lesion's line the sphere may be another one.
+    """Whether the sphere may be another one at points (k,) of a lesion's line.
 
     None where neither a sphere nor a section of the lesion can have changed.
     """
@@ -140,12 +140,12 @@ def _spheres(
 
 
 def _with_no_sphere(lesion: Lesion) -> Lesion:
-    """With nothing known of its narrowest place, and so of its sections."""
+    """The lesion with nothing known of its narrowest place, and so of its sections."""
     return replace(lesion, minimum_diameter=float("nan"), percent_diameter=float("nan"))
 
 
 def _with_sphere(lesion: Lesion, along: Floats, spheres: InscribedSpheres) -> Lesion:
-    """With the smallest of the spheres at some arc lengths from its start."""
+    """The lesion with the smallest of the spheres at some arc lengths from its start."""
     if not np.isfinite(spheres.radii).any():
         return _with_no_sphere(lesion)
     references = np.interp(along, lesion.line.arc_lengths, lesion.healthy)

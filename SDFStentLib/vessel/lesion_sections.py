@@ -153,7 +153,7 @@ class HealthySections:
         self._surface, self._asked = surface, asked
 
     def area(self, number: int) -> float:
-        """Of the least oblong section of one of them, where it is as wide as the plateau, mm^2."""
+        """The area of their least oblong section, where it is as wide as the plateau, mm^2."""
         return self._areas[number]
 
     @cached_property

@@ -28,7 +28,7 @@ class HealthyPlace:
 
     @property
     def area(self) -> float:
-        """Of the cross-section, mm^2; NaN where no closed one lies round the place."""
+        """The area of the cross-section, mm^2; NaN where no closed one lies round the place."""
         return self.cut()
 
 
@@ -95,22 +95,22 @@ class Lesion:
 
     @property
     def minimum_area(self) -> float:
-        """Of that section, mm^2."""
+        """The area of that section, mm^2."""
         return self.section.area
 
     @property
     def reference_area(self) -> float:
-        """Of the healthy vessel there, mm^2."""
+        """The area of the healthy vessel there, mm^2."""
         return self.section.reference
 
     @property
     def percent_area(self) -> float:
-        """By which the section is smaller."""
+        """The percentage by which the section is smaller."""
         return self.section.percent
 
     @property
     def length(self) -> float:
-        """From start to end, mm."""
+        """The length from start to end, mm."""
         return self.end - self.start
 
 

@@ -104,7 +104,7 @@ def find_lesions(
 
 
 def _each_once(lesions: Sequence[Lesion]) -> list[Lesion]:
-    """Without those of branches whose narrowest sphere is that of the vessel that they leave."""
+    """The lesions without those of branches whose narrowest sphere is that of their vessel."""
     kept: list[Lesion] = []
     for one in sorted(lesions, key=lambda one: (one.generation, -one.percent_diameter)):
         away = [np.linalg.norm(np.subtract(one.point, other.point)) for other in kept]

@@ -73,7 +73,7 @@ class BranchWays:
         self.surface, self.axis, self.centerline = surface, axis, centerline
 
     def into(self, ostia: Sequence[Ostium]) -> list[Line | None]:
-        """From every opening on; None where a branch has no way of some length."""
+        """The ways from every opening on; None where a branch has no way of some length."""
         if not ostia:
             return []
         feet = self.axis.line.nearest(np.array([ostium.center for ostium in ostia]))
@@ -85,7 +85,7 @@ class BranchWays:
         return [_past(ostium, lines) for ostium in ostia]
 
     def _through(self, feet: Points, ostia: Sequence[Ostium]) -> list[Line | None]:
-        """From sphere to sphere, first the way from the axis to the opening."""
+        """The way from sphere to sphere, first that from the axis to the opening."""
         starts = [np.array([foot, ostium.center]) for foot, ostium in zip(feet, ostia, strict=True)]
         ways = through_lumen(self.surface, starts, MEASURED)
         lines = [Line(np.concatenate([s[1:], way])) for s, way in zip(starts, ways, strict=True)]
@@ -93,7 +93,7 @@ class BranchWays:
 
 
 def _past(ostium: Ostium, lines: LinesFromAxis) -> Line | None:
-    """Of the lines from the axis the one to most outlets that passes an opening near its middle.
+    """The line from the axis to most outlets that passes an opening near its middle.
 
     Where none does, that which passes nearest to it.
     """

@@ -219,7 +219,7 @@ def _are_at(inlet: Points, ostium: Ostium) -> Flags:
 
 
 def _diameter(ostium: Ostium) -> float:
-    """Of the circle as large, mm."""
+    """The diameter of the circle as large, mm."""
     return 2 * float(np.sqrt(ostium.area / np.pi))
 
 

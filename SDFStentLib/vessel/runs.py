@@ -179,7 +179,7 @@ def _run(tree: LumenTree, first: int, parent: int, generation: int) -> tuple[Ves
 
 
 def _ostium(lumen: Stretch, is_own: Flags) -> int:
-    """At which station a vessel leaves its parent, whose lumen is wide.
+    """The station at which a vessel leaves its parent, whose lumen is wide.
 
     A throat at the ostium may lie within the parent's sphere, and is this vessel's all the same.
     """

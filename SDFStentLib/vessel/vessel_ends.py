@@ -36,7 +36,7 @@ class VesselEnd(NamedTuple):
 
 
 class LineSeeds(NamedTuple):
-    """Between which points of a surface centerlines are looked for."""
+    """The points of a surface between which centerlines are looked for."""
 
     surface: Surface
     """Closed, with a point in the middle of every end."""
@@ -81,7 +81,7 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
 
 
 def ends_without_line(ends: Sequence[VesselEnd], tree: Centerline) -> int:
-    """Beside how many ends of a vessel no line of its centerline ends, nor goes out there."""
+    """The number of a vessel's ends at which no line of its centerline ends or goes out."""
     tips = tree.points[[*tree.roots, *tree.leaves]]
     below = np.flatnonzero(tree.parent >= 0)
     lines = tree.points[tree.parent[below]], tree.points[below]

@@ -38,7 +38,7 @@ class VesselParts(NamedTuple):
     """Of the file of the surface, in which places are told, too."""
 
     def branch_name(self, place: Location) -> str:
-        """Of the branch of the centerline at a place."""
+        """The name of the branch of the centerline at a place."""
         return self.branch_names[branch_of(self.tree, place)]
 
     def said(self, point: Points) -> str:

@@ -84,7 +84,7 @@ class FollowedWall(NamedTuple):
 def followed_wall(
     wall: Balls, stations: Points, directions: Points, diameters: Floats
 ) -> FollowedWall:
-    """Of the wall round stations (n, 3) within a vessel the nearest point in every direction.
+    """The nearest point of the wall round stations (n, 3) within a vessel in every direction.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def followed_wall(
 
 
 def _fields(offsets: Points) -> Indices:
-    """In which field of a cube round the origin each direction (n, 3) is, of equal angles."""
+    """The field, of equal angles, of a cube round the origin in which each direction (n, 3) is."""
     rows = np.arange(len(offsets))
     axis = np.abs(offsets).argmax(axis=1)
     height = offsets[rows, axis]

@@ -109,13 +109,13 @@ class StationSearch:
 
     @cached_property
     def _around(self) -> Floats:
-        """About how many triangles (n,) a sphere round a station has."""
+        """The approximate number of triangles (n,) that a sphere round a station has."""
         any_stations = len(self._stations) > 0
         return self.surface.triangles_round(self._stations) if any_stations else np.empty(0)
 
     @cached_property
     def rough(self) -> InscribedSpheres:
-        """Of all stations, among middles of the wall's triangles: radii are no smaller than exact.
+        """Spheres of all stations among middles of the wall's triangles, no smaller than exact.
 
         They are larger by about h^2 / (8 r) where those are h apart. Where there are few of them,
         or they lead out of the lumen, the sphere is the exact one.
@@ -132,7 +132,7 @@ class StationSearch:
         return found
 
     def exact(self, which: Indices | slice = slice(None)) -> InscribedSpheres:
-        """Of some stations, or of all, in the order in which they come."""
+        """Spheres of some stations, or of all, in the order in which they come."""
         rough, stations, axes = self.rough, self._stations, across(self._directions)
         asked = np.arange(len(stations))[which]
         begun = np.unique(asked[~self._is_exact[asked]])
@@ -165,7 +165,7 @@ class SphereSearch:
         self._surface.cover(around, np.full(len(around), reach))
 
     def distances(self, places: Points) -> Floats:
-        """From some places (n, 3) to the surface, mm."""
+        """Distances from some places (n, 3) to the surface, mm."""
         return self._surface.distances(places)
 
     def spheres(self, centers: Points, directions: Points, until: Until) -> InscribedSpheres:

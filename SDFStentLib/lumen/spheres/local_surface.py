@@ -75,7 +75,7 @@ class LocalSurface:
         return self.index.closest_points(queries, triangle)
 
     def triangles_round(self, centers: Points) -> Floats:
-        """About how many triangles (n,) a sphere round a center would have that meets the wall.
+        """The approximate number of triangles (n,) of a sphere round a center that meets the wall.
 
         By those in the box round these centers: elsewhere the surface may be finer or coarser.
         """

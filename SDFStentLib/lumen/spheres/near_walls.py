@@ -90,7 +90,7 @@ class Neighborhood:
     def _offsets(
         self, centers: Points, active: Indices, radii: Floats, spare: Floats
     ) -> tuple[Indices, Points, Floats]:
-        """From the walls within `radii` of the active centers: query, offset and distance.
+        """Query, offset and distance of the walls within `radii` of the active centers.
 
         Looks at a little more, up to `radii + spare`, so that it need not search at every step.
         """

@@ -28,11 +28,11 @@ class WallPoints:
 
     @property
     def growths(self) -> int:
-        """As `LocalSurface.growths`."""
+        """The growths, as of `LocalSurface.growths`."""
         return self._surface.growths
 
     def near(self, centers: Points, radii: Floats) -> NearPairs:
-        """As `LocalSurface.near`."""
+        """The points that are near, as of `LocalSurface.near`."""
         self._surface.cover(centers, radii)
         points = self._known()
         query, one = self._balls.near(centers, radii)

@@ -231,12 +231,12 @@ def alternatives_scene(results: Mapping[str, PlanResult]) -> tuple[Drawing, list
 
 
 def _lumens(stents: Sequence[TreatedStent]) -> list[Lumen]:
-    """Of the stents along which something could be measured."""
+    """Lumens of the stents along which something could be measured."""
     return [lumen for lumen in map(lumen_of, stents) if len(lumen.arc_length)]
 
 
 def _apart(lumens: Sequence[Lumen]) -> list[Lumen]:
-    """Without those whose narrowest place is marked already: plans share stretches of vessel."""
+    """The marks without those that are there already: plans share stretches of vessel."""
     kept: list[Lumen] = []
     for lumen in sorted(lumens, key=lambda one: float(one.diameters[0].min())):
         place = lumen.axis.at([lumen.narrowest])

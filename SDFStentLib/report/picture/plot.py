@@ -209,7 +209,7 @@ def _strip(
 
 
 def _gone(first: float, last: float, again: int) -> Iterator[Mark]:
-    """In place of a stent that does not lie so in the end."""
+    """The words in place of a stent that does not lie so in the end."""
     y = _HEIGHT - _BOTTOM - _STRIP - 5
     yield Words(f"the stent, {again_words(again)}", (first + last) / 2, y, 12, GRAY)
 

@@ -120,7 +120,7 @@ def diameter_colors(fraction: Floats) -> Floats:
 
 
 def strut_curves(stents: Iterable[TreatedStent]) -> tuple[Floats, ...]:
-    """Of every deployed stent its struts, (m, p, 3) mm, as `stent_lattice` designs them."""
+    """The struts of every deployed stent, (m, p, 3) mm, as `stent_lattice` designs them."""
     return tuple(stent_lattice(one.stent, one.axis).curves for one in stents)
 
 

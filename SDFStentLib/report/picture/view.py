@@ -1,4 +1,4 @@
-"""From where a before-and-after picture is taken, and where its labels go."""
+"""The view of a before-and-after picture, and where its labels go."""
 
 from __future__ import annotations
 
