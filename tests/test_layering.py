@@ -50,7 +50,7 @@ USES = {
     "flow": "geometry centerline lumen vessel",
     "segment": "geometry centerline vessel",
     "treatment": "geometry centerline certificate flow lumen stent deformation vessel segment",
-    "plan": "geometry files flow lumen stent deformation treatment vessel",
+    "plan": "geometry centerline files flow lumen stent deformation treatment vessel",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
     "report": "geometry certificate lumen stent files treatment vessel segment flow plan "
     "simulation",
@@ -214,6 +214,16 @@ def test_nobody_outside_of_a_room_imports_from_inside_it():
             if hidden:
                 found.append(f"{path.relative_to(PROJECT)}: {module} {sorted(hidden)}")
     assert not found
+
+
+def test_the_panel_asks_the_plan_and_the_report_and_makes_no_stent_flow_or_treatment_itself():
+    panel = PROJECT / "SDFStent" / "SDFStentSlicer"
+    known = {room_of(module) for path in panel.glob("*.py") for module in imports_of(path)}
+    assert known & set(ROOMS) == {
+        *("plan", "report"),  # what is done, and what is told
+        *("files", "geometry", "centerline", "lumen"),  # what nodes are, and are drawn as
+        *("deformation", "certificate", "samples"),
+    }
 
 
 def test_nobody_imports_the_library_by_another_way_than_from_a_table_of_contents():

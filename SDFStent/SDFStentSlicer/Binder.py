@@ -4,10 +4,11 @@ A number behind which " %" or " L/min" stands is shown so, and is a fraction or 
 value stands for none there. This is the same in Qt and in the page.
 """
 
-from SDFStentLib.stent import KEPT
+from slicer.i18n import tr as _
 
-from . import Sizes
-from .ParameterNode import stentOf
+from SDFStentLib.plan import parameter_at
+
+from .ParameterNode import SELECTED
 from .PlanFields import (
     CHOICE_LABELS,
     KEPT_LABELS,
@@ -18,15 +19,8 @@ from .PlanFields import (
     Placement,
 )
 
-SELECTED = "stents.selected."
-IN_USE = {
-    f"{SELECTED}length": Sizes.lengthOf,
-    f"{SELECTED}foreshortening_fraction": lambda stent: Sizes.foreshorteningOf(stent) / 100,
-}
-"""What is shown in place of a value that a device may have of its own."""
-
-WITH_IT = {f"{SELECTED}foreshortening_fraction": {f"{SELECTED}device_shortening": False}}
-"""What else is set where a value is."""
+FLAT = 0.35
+"""Height of the caps called flat, relative to their radius."""
 
 CHOICES = {
     f"settings.{name}": [(key, CHOICE_LABELS[name].get(key, key)) for key in one.names]
@@ -34,15 +28,22 @@ CHOICES = {
     if one.names
 }
 CHOICES[f"{SELECTED}placement"] = [(kind.place, kind.label()) for kind in Placement]
-CHOICES[f"{SELECTED}keeps"] = [(key, KEPT_LABELS[key]) for key in KEPT]
+CHOICES[f"{SELECTED}keeps"] = [
+    (key, KEPT_LABELS[key]) for key in parameter_at("stents.keeps").names
+]
+CHOICES[f"{SELECTED}shape.cap_height"] = [(1.0, _("Round")), (FLAT, _("Flat"))]
 """By path the values that can be chosen, and their texts."""
+
+OTHERS = {f"{SELECTED}shape.cap_height": _("{value:g} of the radius high")}
+"""By path the text of any other value, as a plan may have it."""
 
 
 class Binder:
     """Binds the widgets of `ui` to the plan of one parameter node after another; `show` is to be called whenever that has changed."""
 
-    def __init__(self, ui):
-        self._parameterNode, self._isShowing = None, False
+    def __init__(self, ui, attempt):
+        """`attempt(action)` does what is asked for and says why when it cannot be done."""
+        self._parameterNode, self._isShowing, self._attempt = None, False, attempt
         widgets = [one for one in vars(ui).values() if hasattr(one, "property")]
         paths = [(one.property("plan"), one) for one in widgets]
         self._bound = {path: boundTo(widget, path) for path, widget in paths if path}
@@ -57,21 +58,22 @@ class Binder:
         wasShowing, self._isShowing = self._isShowing, True
         try:
             for path, bound in self._bound.items():
-                inUse = IN_USE.get(path)
-                value = inUse(stentOf(parameterNode)) if inUse else parameterNode.get(path)
-                bound.write(value)
+                bound.write(parameterNode.shown(path))
         finally:
             self._isShowing = wasShowing
 
     def _onChanged(self, path):
         if self._isShowing or self._parameterNode is None:
             return
-        values = {path: self._bound[path].read(), **WITH_IT.get(path, {})}
         part = path.rpartition(".")[0]
-        if self._parameterNode.get(part) is None:  # made now: all that is shown of it belongs to it
+        if (
+            self._parameterNode.shown(part) is None
+        ):  # made now: all that is shown of it belongs to it
             beside = [one for one in self._bound if one.startswith(f"{part}.")]
-            values |= {one: self._bound[one].read() for one in beside}
-        self._parameterNode.change(values)
+            self._parameterNode.change({one: self._bound[one].read() for one in beside})
+        else:
+            value = self._bound[path].read()
+            self._attempt(lambda: self._parameterNode.put(path, value))
 
 
 class OfNumber:
@@ -104,11 +106,12 @@ class OfChoice:
     signal = "currentIndexChanged(int)"
 
     def __init__(self, widget, path):
-        self.widget, self._values = widget, []
+        self.widget, self._values, self._other = widget, [], OTHERS.get(path)
         widget.clear()
         for value, text in CHOICES[path]:
             self._values.append(value)
             widget.addItem(text)
+        self._count = len(self._values)
 
     def read(self):
         """The value for the plan."""
@@ -118,7 +121,18 @@ class OfChoice:
         """Show a value of the plan; a place by its kind."""
         if isinstance(value, dict):
             value = Placement.of(value).place
+        if self._other is not None and value != self._values[-1]:
+            self._leaveOther(value)
         self.widget.currentIndex = self._values.index(value)
+
+    def _leaveOther(self, value):
+        """Offer this value, where it is none to choose from, in place of another such one."""
+        if len(self._values) > self._count:
+            self._values.pop()
+            self.widget.removeItem(self._count)
+        if value not in self._values:
+            self._values.append(value)
+            self.widget.addItem(self._other.format(value=value))
 
 
 class OfSwitch:

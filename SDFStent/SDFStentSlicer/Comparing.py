@@ -2,7 +2,6 @@
 again."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 from slicer.i18n import tr as _
@@ -20,7 +19,6 @@ from SDFStentLib.report import (
     comparison_pictures,
     document_json,
 )
-from SDFStentLib.stent import InputFile
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Plans
@@ -92,25 +90,25 @@ class _Files:
             plan, line = Plans.planOf(parameterNode), parameterNode.centerline
         except InputError as error:
             raise error.labeled(f"{name}: ") from error
-        surface, centerline = plan.surface, plan.centerline
-        if surface is None:
+        surface = centerline = None
+        if plan.surface is None:
             segment = Conversion.segmentOf(parameterNode)
             vessel = parameterNode.vessel
             surface = self._file(
                 vessel, "vessel", lambda: Conversion.vesselPolyData(vessel, segment)
             )
-        if centerline is None and line is not None:
+        if plan.centerline is None and line is not None:
             centerline = self._file(line, "centerline", lambda: _linesPolyData(line))
-        return replace(plan, surface=surface, centerline=centerline)
+        return plan.of_files(surface, centerline)
 
     def _file(self, node, role, polyDataOf):
-        """A new file of a node in RAS; several plans share it."""
+        """The path of a new file of a node in RAS; several plans share it."""
         if node.GetID() not in self._written:
             polyData = polyDataOf()
             set_frame_of_polydata(polyData, "RAS")
             path = freePath(self._folder / f"{_safe(node.GetName())} ({role}).vtp")
             path.write_bytes(encode_vtp(polyData))
-            self._written[node.GetID()] = InputFile(str(path))
+            self._written[node.GetID()] = str(path)
         return self._written[node.GetID()]
 
 

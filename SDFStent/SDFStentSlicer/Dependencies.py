@@ -5,9 +5,11 @@ from typing import NamedTuple
 import slicer
 from slicer.i18n import tr as _
 
-from . import Conversion, Flow, Sizes
+from SDFStentLib.plan import numbers_again
+
+from . import Conversion, Flow
 from .ParameterNode import methodOf, stentsOf
-from .PlanFields import Placement
+from .PlanFields import REMEDIES, Placement
 
 
 class Standing(NamedTuple):
@@ -56,7 +58,8 @@ def _missing(parameterNode, stents):
 
 def _missingAgain(stents):
     """The first stent of those that are switched on that has none above it to dilate again, as a sentence."""
-    for stent, number in zip(stents, Sizes.numbersAgain(stents), strict=True):
+    again = numbers_again([one.draft for one in stents], [one.handle for one in stents])
+    for stent, number in zip(stents, again, strict=True):
         if stent.placement == Placement.AGAIN and number is None:
             return _(
                 "{label}: choose the handle of the stent that it dilates again, which has to be above it and switched on."
@@ -67,7 +70,8 @@ def _missingAgain(stents):
 def _refusal(stents):
     """The first stent whose sizes do not fit together, as a sentence; "" when all do."""
     for stent in stents:
-        if sentence := Sizes.refusal(stent):
+        if stent.draft.refusal is not None:
+            sentence = stent.draft.refusal.sentence(REMEDIES)
             return _("{label}: {sentence}").format(label=stent.label, sentence=sentence)
     return ""
 
@@ -76,7 +80,7 @@ def missingOf(stent):
     """What a stent's handle lacks, as a sentence; "" when it says where the stent goes."""
     if stent.placement.isOfVessel:
         words = _("{label}: choose a lesion, or a branch.").format(label=stent.label)
-        return words if Sizes.landmarkOf(stent) is None else ""
+        return words if stent.draft.place is None else ""
     if stent.handle is None:
         return _("{label}: choose a handle.").format(label=stent.label)
     if stent.placement == Placement.ALONG_CURVE and not stent.handle.IsA("vtkMRMLMarkupsCurveNode"):
@@ -135,13 +139,12 @@ def _signature(parameterNode, numbered):
         tuple(vars(methodOf(parameterNode)).values()),
         # Its number is a part of what is told of a stent.
         tuple(
-            (number, stent.label, Sizes.sizesOf(stent), _placeOf(stent))
-            for number, stent in numbered
+            (number, stent.label, stent.draft.text, _placeOf(stent)) for number, stent in numbered
         ),
     )
 
 
 def _placeOf(stent):
     if stent.placement.isOfVessel:
-        return str(stent.entry["placement"])
+        return str(stent.draft.entry["placement"])
     return Conversion.changeStamp(stent.handle)

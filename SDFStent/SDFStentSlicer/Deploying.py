@@ -3,7 +3,6 @@
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.geometry import Precision
-from SDFStentLib.treatment import Treatment
 
 from . import Dependencies, Flow, Plans, Results
 from .Portions import inPortions, working
@@ -42,28 +41,17 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
 
 def _begun(parameterNode, vessel, inputs):
     """Where the stents go; yields None until it is known, then returns the `Stenting`."""
-    hasTree = parameterNode.centerline is not None
-    stents = Plans.plannedOf(parameterNode)
-    planned = (
-        vessel.surface,
-        (yield from inputs.placedInPortions(parameterNode, stents)),
-        inputs.centerline(parameterNode) if hasTree else None,
-        Plans.settingsOf(parameterNode),
-    )
-    how = {
-        "straightening_fraction": parameterNode.get("settings.straightening_fraction"),
-        "precision": Precision(dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype),
-        "faces": vessel.faces,
-        "rows": Plans.rowsOf(parameterNode),
-    }
-    if hasTree:
-        how["given_names"], _misfit = yield from inputs.givenNamesInPortions(parameterNode)
+    patient = yield from inputs.patientInPortions(parameterNode)
+    search = None if patient.centerline is None else inputs.lesions(parameterNode)
+    precision = Precision(dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype)
+    case = Plans.caseOf(parameterNode, patient, precision=precision)
+    yield from inputs.placedInPortions(parameterNode, case)
     further = {
         "places": Dependencies.places(parameterNode),
-        "search": inputs.lesions(parameterNode) if hasTree else None,
+        "search": search,
         "remark": vessel.remark,
     }
-    return (yield from inPortions(lambda: Stenting(Treatment(*planned, **how), **further)))
+    return (yield from inPortions(lambda: Stenting(case, **further)))
 
 
 def measured(shown):

@@ -1,15 +1,11 @@
-"""The section Device of the panel: device, balloon, recoil and what is kept of the selected stent."""
-
-import math
+"""The section Device of the panel: the device of the selected stent, and what is known of it. All else in it is bound to the plan."""
 
 from slicer.i18n import tr as _
 
-from SDFStentLib.plan import device_table
+from SDFStentLib.plan import device_table, value_in_use
 from SDFStentLib.report import balloon_sentences, device_sentences, ratio_sentence
-from SDFStentLib.stent import USUAL_RECOIL
 from SDFStentLib.validation import InputError, printable
 
-from . import Sizes
 from .Desktop import desktop
 from .ParameterNode import stentOf
 from .PlanFields import Placement
@@ -29,10 +25,6 @@ class DeviceSection:
         ui.deviceComboBox.connect("activated(int)", self._onDevice)
         ui.deviceTableButton.connect("clicked()", self._onTable)
         ui.removeTableButton.connect("clicked()", self._onRemoveTable)
-        ui.balloonCheckBox.connect("toggled(bool)", self._onBalloonSwitched)
-        ui.balloonSlider.connect("valueChanged(double)", self._onBalloon)
-        ui.recoilSpinBox.connect("valueChanged(double)", self._onRecoil)
-        ui.recoilRuleCheckBox.connect("toggled(bool)", self._onRecoil)
 
     def show(self, parameterNode):
         """The stent that is selected now."""
@@ -40,17 +32,20 @@ class DeviceSection:
         stent = stentOf(parameterNode)
         if not self.ui.deviceCollapsibleButton.collapsed:
             self._tell(stent)
-        values = (*Sizes.sizesOf(stent), parameterNode.deviceTable, self.ui.diameterSlider.maximum)
+        values = stent.draft.text, parameterNode.deviceTable
         if values == self._shown:
             return
         self._shown = values
-        balloon = Sizes.balloonOf(stent)
         self._updating = True
         try:
-            self._showDevice(Sizes.deviceOf(stent))
-            self._showBalloon(balloon, stent)
+            self._showDevice(stent.draft.device)
         finally:
             self._updating = False
+        isUsed, isByRule = (
+            value_in_use(stent.draft, name) for name in ("balloon", "balloon.by_rule")
+        )
+        self.ui.balloonSlider.enabled = self.ui.recoilRuleCheckBox.enabled = isUsed
+        self.ui.recoilSpinBox.enabled = isUsed and not isByRule
 
     def _showDevice(self, device):
         box, table = self.ui.deviceComboBox, self._parameterNode.deviceTable
@@ -78,23 +73,10 @@ class DeviceSection:
         self.ui.removeTableButton.enabled = bool(table)
         return rows
 
-    def _showBalloon(self, balloon, stent):
-        ui, isUsed = self.ui, balloon is not None
-        ui.balloonCheckBox.checked = isUsed
-        for widget in (ui.balloonSlider, ui.recoilSpinBox, ui.recoilRuleCheckBox):
-            widget.enabled = isUsed
-        ui.recoilSpinBox.enabled = isUsed and balloon.is_given
-        recoil = balloon.recoil_fraction if isUsed else USUAL_RECOIL
-        diameter = balloon.diameter if isUsed else stent.diameter / (1 - recoil)
-        ui.balloonSlider.maximum = max(ui.diameterSlider.maximum, math.ceil(diameter))
-        ui.balloonSlider.value = diameter
-        ui.recoilSpinBox.value = 100 * recoil
-        ui.recoilRuleCheckBox.checked = not isUsed or not balloon.is_given
-
     def _tell(self, stent):
         """What is known of device and balloon, in the words of the report."""
         try:
-            planned = Sizes.unplaced(stent)
+            planned = stent.draft.unplaced
         except InputError:
             sentences = []  # the line below Deploy says why
         else:
@@ -132,22 +114,3 @@ class DeviceSection:
 
     def _onRemoveTable(self):
         self._change(lambda node: self._logic.setDeviceTable(node, ""))
-
-    def _onBalloonSwitched(self, isUsed):
-        if not isUsed:
-            self._change(lambda node: self._logic.setBalloon(node, None))
-            return
-        lumen = self._parameterNode.stent.diameter if self._parameterNode is not None else 0.0
-        diameter = round(lumen / (1 - USUAL_RECOIL), 1)
-        self._change(lambda node: self._logic.inflateByRule(node, diameter))
-
-    def _onBalloon(self, diameter):
-        recoil = self.ui.recoilSpinBox.value / 100
-        if self.ui.recoilRuleCheckBox.checked:
-            self._change(lambda node: self._logic.inflateByRule(node, diameter))
-        else:
-            self._change(lambda node: self._logic.setBalloon(node, diameter, recoil))
-
-    def _onRecoil(self, _value):
-        if not self._updating and self._parameterNode is not None:
-            self._onBalloon(Sizes.balloonOf(self._parameterNode.stent).diameter)

@@ -11,7 +11,6 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkAssignAttribute, vtkTubeFilter
 
 from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
-from SDFStentLib.stent import design_of, laid_along, stent_lattice
 
 from . import Outputs, Showing
 
@@ -141,9 +140,7 @@ def showStruts(node, stents):
     """Put the rings and struts of every `DrawnStent` into a model node, in place, as wide as it is now."""
     points, lines, first = [], [], 0
     for one in stents:
-        design = design_of(one.stent)
-        expansion = design.expansion_at(one.radius, one.stent.widest_diameter / 2)
-        lattice = stent_lattice(one.stent, one.axis, design, expansion)
+        lattice = one.placed.lattice(one.radius)
         points.append(lattice.points)
         lines += list(lattice.lines + first)
         first += len(lattice.points)
@@ -156,7 +153,7 @@ def showStruts(node, stents):
 
 def showMeshes(node, stents, mesh):
     """Put a straight mesh of the user's own into a model node, once for every `DrawnStent`, where it lies."""
-    points = [laid_along(mesh.points, one.stent, one.axis) for one in stents]
+    points = [one.placed.laid(mesh.points) for one in stents]
     triangles = [mesh.triangles + number * len(mesh.points) for number in range(len(stents))]
     _replaceContent(node, polydata_from_arrays(np.concatenate(points), np.concatenate(triangles)))
     _hideEdges(node)

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 from slicer.i18n import tr as _
 
-from SDFStentLib import treatment
 from SDFStentLib.files import (
     cannot_write,
     check_suffix,
@@ -14,8 +13,7 @@ from SDFStentLib.files import (
     read_surface,
     write_bytes,
 )
-from SDFStentLib.flow import networks_of
-from SDFStentLib.plan import device_vtp
+from SDFStentLib.plan import Case, device_vtp
 from SDFStentLib.report import document_json, write_segment
 from SDFStentLib.validation import InputError
 
@@ -84,7 +82,7 @@ class Exporting:
                     "Results: expected a flow, without which there is no network, got none; set the flow first."
                 )
             )
-        before, after = map(document_json, networks_of(answer))
+        before, after = map(document_json, answer.documents())
         path = Path(path)
         _write(path.with_stem(f"{path.stem}_before"), before.encode(), parameterNode)
         _write(path, after.encode(), parameterNode)
@@ -135,28 +133,20 @@ class Segments:
         run = self.lastRun(parameterNode)
         isMeasured = run is not None and run.result is not None
         ends = _ends(parameterNode, run if isMeasured else None)
-        vessel = self._inputs.vessel(parameterNode)
-        line = self._inputs.centerline(parameterNode)
-        given, _misfit = untilDone(self._inputs.givenNamesInPortions(parameterNode))
-        names = Plans.marksOf(parameterNode).names if given else ()
-        before = treatment.Vessel(vessel.surface, line, faces=vessel.faces, names=names)
-        after = None
-        if isMeasured and not self.hasChanged(parameterNode):
-            after = treatment.Vessel(run.result.surface, faces=vessel.faces)
+        case = Case(self._inputs.patient(parameterNode))
+        result = run.result if isMeasured and not self.hasChanged(parameterNode) else None
         inputs = {
             "surface": _named(parameterNode.vessel),
             "centerline": _named(parameterNode.centerline),
         }
-        wishes = treatment.SegmentWishes(
-            close_branches=parameterNode.closeBranches,
-            nearest=parameterNode.segmentEnds is None,  # nobody has chosen these places
-        )
+        wishes = {
+            "close_branches": parameterNode.closeBranches,
+            "nearest": parameterNode.segmentEnds is None,  # nobody has chosen these places
+        }
 
         def stepsInto(new):
             yield 0.0
-            found = yield from working(
-                inPortions(lambda: treatment.extract_segment(before, *ends, wishes, after=after))
-            )
+            found = yield from working(inPortions(lambda: case.segment(*ends, result, **wishes)))
             write_segment(new, found, inputs, ("RAS", "RAS"))
             if parameterNode.parameterNode.GetScene() is not None:
                 parameterNode.status = "\n".join(_sentences(found, new))
@@ -193,7 +183,7 @@ def _named(node):
     """The entry of an input in the segment's document: its file, if it is unchanged since it was read, else its name in
     the scene."""
     file = Plans.fileOf(node)
-    return {"file": node.GetName() if file is None else file.path, "sha256": None}
+    return {"file": node.GetName() if file is None else file, "sha256": None}
 
 
 def _sentences(found, folder):

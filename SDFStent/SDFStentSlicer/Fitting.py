@@ -1,30 +1,29 @@
 """Device, balloon, kept end and shape of the selected stent, as the logic sets them."""
 
-from dataclasses import replace
-
-from SDFStentLib.plan import device_named, device_table, to_document
-from SDFStentLib.stent import (
-    DEFAULT_FORESHORTENING,
-    Balloon,
-    Shape,
-    balloon_by_rule,
-    balloon_leaving,
+from SDFStentLib.plan import (
+    by_rule,
+    device_named,
+    device_table,
+    earlier_of,
+    in_lumen,
+    inflated,
+    shaped,
+    with_device,
+    with_usual_recoil,
 )
 from SDFStentLib.validation import InputError
 
-from . import Handles, Plans, Sizes
-from .ParameterNode import stentsOf
+from . import Conversion, Handles, Plans
+from .ParameterNode import stentOf, stentsOf
 from .PlanFields import Placement
 from .Portions import untilDone
 from .StentList import StentList
-
-NOT_KNOWN = float("nan")
 
 
 class Fitting:
     """A part of `SDFStentLogic` whose methods change the selected stent of a parameter node at once.
 
-    `self._inputs` are the logic's `Inputs`.
+    What follows from a value, as a lumen from a balloon, the library says. `self._inputs` are the logic's `Inputs`.
     """
 
     @staticmethod
@@ -46,12 +45,8 @@ class Fitting:
         """
         if isinstance(device, str):
             device = device_named(device, parameterNode.deviceTable or None)
-        if device == device_table()[0]:
-            usual = _usualForeshortening(parameterNode.stent)
-            values = {"foreshortening": usual, "deviceShortening": False}
-            self.setDetails(parameterNode, device=None, **values)
-        else:
-            self.setDetails(parameterNode, device=device, deviceShortening=True)
+        isGeneric = device == device_table()[0]
+        self._set(parameterNode, with_device, None if isGeneric else device)
 
     def setBalloon(self, parameterNode, diameter, recoil=None):
         """Expand the stent with a balloon of this diameter, mm, whose recoil is a fraction, or follows the rule if it
@@ -59,78 +54,60 @@ class Fitting:
 
         The rule measures the native lumen where the stent lies.
         """
-        if diameter is None:
-            self.setDetails(parameterNode, balloon=None)
-        elif recoil is not None:
-            self.inflate(parameterNode, Balloon(diameter, recoil))
-        else:
-            self.inflateByRule(parameterNode, diameter)
-            untilDone(self.recoilByRule(parameterNode))
+        self._set(parameterNode, inflated, diameter, recoil)
+        untilDone(self.recoilByRule(parameterNode))
 
-    def inflateByRule(self, parameterNode, diameter):
-        """Expand the stent with a balloon, mm, whose recoil follows the rule; `recoilByRule` still has to apply it.
+    @staticmethod
+    def recoilStanding(parameterNode):
+        """Whose recoil the rule may change, and on what that depends; None where that is no matter of the rule.
 
-        Until then it has the recoil of the balloon before, or the usual one.
+        A stent that comes from a plan keeps its recoil until it is changed.
         """
-        former = Sizes.balloonOf(parameterNode.stent)
-        if former is None or former.is_given:
-            self.inflate(parameterNode, balloon_by_rule(diameter, NOT_KNOWN))
-        else:
-            self.inflate(parameterNode, replace(former, diameter=diameter))
-
-    def inflate(self, parameterNode, balloon):
-        """Set the balloon and the lumen that it leaves."""
-        self.setDetails(parameterNode, balloon=balloon, diameter=balloon.lumen_diameter)
+        if parameterNode is None or not stentsOf(parameterNode):
+            return None, None
+        stent = stentOf(parameterNode)
+        node, handle = parameterNode.parameterNode.GetID(), stent.handle
+        whose = (node, parameterNode.selected, handle and handle.GetID())
+        known = by_rule(stent.draft)
+        place = Conversion.changeStamp(handle), Conversion.inputStamp(parameterNode)
+        return whose, known and (*known, *place)
 
     def recoilByRule(self, parameterNode):
         """Apply the rule for the recoil in the lumen where the stent lies; yields None until that is measured.
 
         It does nothing for a balloon whose recoil was given, or if the stent cannot lie there.
         """
-        balloon = Sizes.balloonOf(parameterNode.stent)
-        if balloon is None or balloon.is_given:
+        stent = parameterNode.stent
+        if by_rule(stent.draft) is None:
             return
+        stents = stentsOf(parameterNode)
+        drafts, handles = [one.draft for one in stents], [one.handle for one in stents]
+        first = earlier_of(drafts, handles, parameterNode.selected)
         try:
-            if (first := Sizes.dilatedBy(parameterNode)) is not None:
-                self._inflateIn(parameterNode, balloon, Sizes.lumenLeft(first))
-                return
-            planned = Plans.plannedStent(parameterNode.stent)
-            usual = balloon_by_rule(balloon.diameter, NOT_KNOWN)
-            # Measured as the command does: where the stent lies with the usual recoil.
-            placed = replace(planned, diameter=usual.lumen_diameter, balloon=usual, shape=None)
-            native = yield from self._inputs.nativeLumenInPortions(parameterNode, placed)
+            if first is not None:
+                native = first.final.diameter
+            else:
+                # Measured as the command does: where the stent lies with the usual recoil.
+                lying = with_usual_recoil(stent.draft, Plans.placeOf(stent))
+                native = yield from self._inputs.nativeLumenInPortions(parameterNode, lying)
         except InputError:
             return  # a deployment says why
-        self._inflateIn(parameterNode, balloon, native)
-
-    def _inflateIn(self, parameterNode, balloon, lumen):
-        """Apply the rule for the recoil of a balloon in a lumen, mm. If the stent's lumen was set last, choose the
-        balloon that leaves it."""
-        stent = parameterNode.stent
-        if not Sizes.isLumenSet(stent):
-            found = balloon_by_rule(balloon.diameter, lumen)
-            if found != balloon:
-                self.inflate(parameterNode, found)
-            return
-        found = balloon_leaving(stent.diameter, lumen)
-        if found != balloon:
-            kept = Sizes.partOf(Balloon, stent, "balloon")
-            self.setDetails(parameterNode, balloon=replace(found, diameter=kept.diameter))
+        self._set(parameterNode, in_lumen, native)
 
     def setKept(self, parameterNode, end):
         """Keep the center, the proximal or the distal end of the stent in place when it shortens."""
-        self.setDetails(parameterNode, keeps=end)
+        self._set(parameterNode, lambda _stent: {"keeps": end})
 
     def setShape(self, parameterNode, shape):
         """Give the stent a `Shape` of the library, or with None a cylinder. A table determines the diameter, too."""
-        table = () if shape is None else shape.table
-        diameter = {"diameter": max(row[1] for row in table)} if table else {}
-        self.setDetails(parameterNode, shape=shape, **diameter)
+        self._set(parameterNode, shaped, shape)
 
-    def changeShape(self, parameterNode, **parts):
-        """Set parts of the stent's `Shape`; a shape without any special part becomes a cylinder."""
-        shape = replace(Sizes.shapeOf(parameterNode.stent) or Shape(), **parts)
-        self.setShape(parameterNode, None if shape == Shape() else shape)
+    @staticmethod
+    def _set(parameterNode, changesOf, *values):
+        """Set what a function of the library says that changes in the `Draft` of the selected stent."""
+        changes = changesOf(parameterNode.stent.draft, *values)
+        if changes:
+            StentList(parameterNode).change(**changes)
 
     @staticmethod
     def shareHandle(parameterNode):
@@ -152,14 +129,3 @@ class Fitting:
         if former not in [one.handle for one in parameterNode.stents]:
             Handles.removeHandle(former)
         return True
-
-    @staticmethod
-    def setDetails(parameterNode, **changes):
-        """Set values of the stent: values of the library as they are, or as documents."""
-        values = {name: to_document(value) for name, value in changes.items()}
-        StentList(parameterNode).change(**values)
-
-
-def _usualForeshortening(stent):
-    hasLength = not stent.placement.usesHandleLength
-    return 100 * DEFAULT_FORESHORTENING if hasLength else 0.0

@@ -4,10 +4,10 @@ import json
 
 from slicer.i18n import tr as _
 
-from SDFStentLib.plan import with_value
+from SDFStentLib.plan import NEW_STENT, with_value
 
 from .ParameterNode import handleRole
-from .PlanFields import FLOW, METHOD, RANGES, STENT, USUAL, Placement
+from .PlanFields import FLOW, METHOD, RANGES, STENT, Placement
 
 COUNT = "stents.len"
 """The parameter by which such a node is known."""
@@ -70,12 +70,12 @@ def _value(text, isNumber):
 
 
 def _stent(former, prefix):
-    entry = {**USUAL, **json.loads(former.get(f"{prefix}details") or "{}")}
+    entry = {**NEW_STENT, **json.loads(former.get(f"{prefix}details") or "{}")}
     for name, field in STENT.items():
         text = former.get(prefix + name)
         if text is not None and name not in ("placement", "label"):
             entry[field.path] = field.planned(_value(text, name in RANGES))
-    entry["name"] = former.get(f"{prefix}label", USUAL["name"])
+    entry["name"] = former.get(f"{prefix}label", NEW_STENT["name"])
     kind = Placement[former.get(f"{prefix}placement", Placement.CENTER.name)]
     landmark = former.get(f"{prefix}landmark")
     entry["placement"] = json.loads(landmark) if landmark and kind.isOfVessel else kind.place

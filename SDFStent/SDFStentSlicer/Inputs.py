@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from slicer.i18n import tr as _
 
-from SDFStentLib import treatment
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import (
     check_joined,
@@ -17,13 +16,12 @@ from SDFStentLib.files import (
     triangulated_polydata,
 )
 from SDFStentLib.lumen import LineEnds, loop_cautions, with_ends_in_middle
-from SDFStentLib.stent import OfVessel
-from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import given_names
+from SDFStentLib.plan import vessel_of
 
 from . import Conversion, Handles, Plans
 from .Lesions import LesionSearch
 from .ModelFaces import addFaces
+from .ParameterNode import stentOf, stentsOf
 from .PointNormals import cornersOf
 from .Portions import inPortions, untilDone
 from .Previewing import PreviewedVessel
@@ -54,6 +52,7 @@ class Inputs:
 
     def __init__(self):
         self._vessel = self._centerline = self._lesions = self._preview = (None, None)
+        self._patient = (None, None, "")
         self._beside, self._lineEnds = (), None
 
     def vessel(self, parameterNode):
@@ -128,55 +127,46 @@ class Inputs:
 
     def _bothInPortions(self, parameterNode):
         vessel = yield from self.vesselInPortions(parameterNode)
-        centerline = yield from self.centerlineInPortions(parameterNode)
-        _given, misfit = yield from self.givenNamesInPortions(parameterNode)
-        remark = "\n".join(filter(None, (vessel.remark, *self._beside, misfit)))
-        marks = Plans.marksOf(parameterNode)
-        names = () if misfit else marks.names
-        how = marks.reference, vessel.faces, names, self._lineEnds
-        return remark, treatment.Vessel(vessel.surface, centerline, *how)
+        patient = yield from self.patientInPortions(parameterNode)
+        remark = "\n".join(filter(None, (vessel.remark, *self._beside, self._patient[-1])))
+        return remark, patient
 
-    def givenNamesInPortions(self, parameterNode):
-        """What the plan calls the centerline's branches, none where its names are of another vessel, and a sentence why or ""."""
-        vessel = yield from self.vesselInPortions(parameterNode)
-        tree = yield from self.centerlineInPortions(parameterNode)
-        names = Plans.marksOf(parameterNode).names
-        how = vessel.surface, tree, names, vessel.faces
-        try:
-            return (yield from inPortions(lambda: given_names(*how))), ""
-        except InputError as error:
-            return (), str(error)
+    def patient(self, parameterNode):
+        """The library's `Vessel` of wall, centerline and what the plan says of them; names that are of another vessel are left out."""
+        return untilDone(self.patientInPortions(parameterNode))
 
-    def placedInPortions(self, parameterNode, stents):
-        """Stents of the library, those at a lesion or on a branch by points; a generator as those above."""
-        if not any(isinstance(one.placement, OfVessel) for one in stents if one.enabled):
-            return stents
-        search = self.lesions(parameterNode)
-        yield from search.portions()
-        return (
-            yield from inPortions(
-                lambda: [search.placed(one) if one.enabled else one for one in stents]
-            )
-        )
+    def patientInPortions(self, parameterNode):
+        """The same in portions: a generator that yields None and returns the `Vessel`, the same object until one of these changes."""
+        stamp = _stampOf(parameterNode)
+        if stamp != self._patient[0]:
+            vessel = yield from self.vesselInPortions(parameterNode)
+            hasTree, how = parameterNode.centerline is not None, {"faces": vessel.faces}
+            tree, marks = None, Plans.marksOf(parameterNode)
+            if hasTree:
+                tree = yield from self.centerlineInPortions(parameterNode)
+                how["lines"] = self._lineEnds
+            made = yield from inPortions(lambda: vessel_of(vessel.surface, tree, marks, **how))
+            self._patient = (stamp, *made)
+        return self._patient[1]
+
+    def placedInPortions(self, parameterNode, case):
+        """Let a `Case` of the library know where its stents lie; a generator as those above."""
+        if any(one.placement.isOfVessel for one in stentsOf(parameterNode) if one.enabled):
+            yield from self.lesions(parameterNode).portions()
+            yield from inPortions(lambda: case.stents)
 
     def nativeLumenInPortions(self, parameterNode, stent):
         """Smallest inscribed diameter where a stent of the library lies, before it, mm; a generator as those above."""
-        (stent,) = yield from self.placedInPortions(parameterNode, [stent])
-        vessel = yield from self.vesselInPortions(parameterNode)
-        centerline = None
-        if parameterNode.centerline is not None:
-            centerline = yield from self.centerlineInPortions(parameterNode)
-        native = treatment.Vessel(vessel.surface, centerline)
-        return (yield from inPortions(lambda: native.native_lumen(stent)))
+        if stentOf(parameterNode).placement.isOfVessel:
+            yield from self.lesions(parameterNode).portions()
+        patient = yield from self.patientInPortions(parameterNode)
+        return (yield from inPortions(lambda: patient.native_lumen(stent)))
 
     def preview(self, parameterNode):
         """The `PreviewedVessel` of vessel and centerline, the same object until one of them changes."""
         stamp = _stampOf(parameterNode)
         if stamp != self._preview[0]:
-            node = parameterNode.centerline
-            centerline = None if node is None else self.centerline(parameterNode)
-            vessel = self.vessel(parameterNode)
-            self._preview = (stamp, PreviewedVessel(vessel.surface, centerline))
+            self._preview = (stamp, PreviewedVessel(self.patient(parameterNode)))
         return self._preview[1]
 
     def sizeLimits(self, parameterNode):
@@ -197,8 +187,8 @@ class Inputs:
         way = tree.path_around(Handles.middlePoint(tree), Handles.USUAL_LENGTH)
         diameters = 2 * way.inscribed_radius
         if np.isnan(diameters).all() and parameterNode.vessel is not None:
-            native = treatment.Vessel(self.vessel(parameterNode).surface, tree)
-            diameters = native.diameters(way.line, SPACING).inscribed_diameter
+            found = self.patient(parameterNode).diameters(way.line, SPACING)
+            diameters = found.inscribed_diameter
         known = diameters[np.isfinite(diameters)]
         return float(round(np.quantile(known, AS_WIDE_AS), 1)) if len(known) else 8.0
 

@@ -60,14 +60,15 @@ class LesionSearch:
     """The lesions of one vessel with one centerline. No nodes in here.
 
     `found` is None until `portions` was run to its end, then a tuple of the library's `Lesion`, in its order; `sentence`
-    says why it is empty where the vessel could not be searched, `remark` what to know of the vessel, `endNames` what its ends are called.
+    says why it is empty where the vessel could not be searched, `remark` what to know of the vessel, `endNames` what its ends are called,
+    `vessel` the library's `Vessel`.
     """
 
     def __init__(self, inputs):
         """`inputs()` is a generator that yields None in between and returns the remark and the library's `Vessel`."""
         self._inputs = inputs
         self.found, self.sentence, self.remark = None, "", ""
-        self._vessel = self._model = None
+        self.vessel = self._model = None
         self._around, self.endNames = {}, ()
 
     def portions(self):
@@ -75,8 +76,8 @@ class LesionSearch:
         if self.found is not None:
             return
         try:
-            self.remark, self._vessel = yield from self._inputs()
-            vessel = self._vessel
+            self.remark, self.vessel = yield from self._inputs()
+            vessel = self.vessel
             cautions = yield from inPortions(lambda: vessel.lesion_cautions)
             sentences = [caution.sentence() for caution in cautions]
             self.remark = "\n".join(filter(None, [self.remark, *sentences]))
@@ -88,13 +89,13 @@ class LesionSearch:
     def around(self, lesion):
         """The `Around` of a lesion that was found; a generator that yields None until it is known."""
         if lesion not in self._around:
-            vessel = self._vessel
+            vessel = self.vessel
             self._around[lesion] = yield from inPortions(lambda: around(vessel, lesion))
         return self._around[lesion]
 
     def sideOf(self, lesion):
         """The patient's side on which a lesion lies from where the root parts first."""
-        tree = self._vessel.centerline
+        tree = self.vessel.centerline
         below, counts = np.unique(tree.parent[tree.parent >= 0], return_counts=True)
         partings = below[counts > 1]
         root = partings[np.argmin(tree.arc_length[partings])] if len(partings) else 0
@@ -103,13 +104,13 @@ class LesionSearch:
     @property
     def landmarks(self):
         """The library's `Landmarks` of the vessel, by which stents are placed; None until they are known."""
-        return self._vessel.landmarks if self.found is not None and not self.sentence else None
+        return self.vessel.landmarks if self.found is not None and not self.sentence else None
 
     def placed(self, stent):
         """A stent of the library where it lies in the vessel; once `portions` was run to its end. Raises as `Vessel.placed`."""
-        if self._vessel is None:
+        if self.vessel is None:
             raise InputError(self.sentence)
-        return self._vessel.placed(stent)
+        return self.vessel.placed(stent)
 
     def flow(self, known, result):
         """The library's `FlowAnswer` for what is `known` of the flow, and a result; once `portions` was run to its end.
@@ -117,5 +118,5 @@ class LesionSearch:
         What is before treatment is kept from one result to the next. Raises as the library's `flow_model` and `flow_answer`.
         """
         if self._model is None or self._model.known != known:
-            self._model = flow_model(self._vessel, known, "RAS")
-        return flow_answer(self._model, self._vessel, result)
+            self._model = flow_model(self.vessel, known, "RAS")
+        return flow_answer(self._model, self.vessel, result)

@@ -9,7 +9,6 @@ import slicer
 from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
 
-from SDFStentLib.treatment import SizingWishes
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import (
@@ -24,7 +23,6 @@ from . import (
     Plans,
     Results,
     Showing,
-    Sizes,
 )
 from .Alternatives import Alternatives
 from .Carrying import Carrying
@@ -33,7 +31,7 @@ from .Exporting import Exporting, Segments
 from .Fitting import Fitting
 from .Inputs import Inputs
 from .ParameterNode import SDFStentParameterNode, stentOf, stentsOf
-from .PlanFields import REMEDIES
+from .PlanFields import REMEDIES, SIZING
 from .Planning import Planning
 from .Portions import working
 from .Previewing import Previewing
@@ -124,11 +122,10 @@ class SDFStentLogic(
 
     def restoreMethod(self, parameterNode):
         """Set the method, and what a suggestion goes by, back to the defaults."""
-        wishes = SizingWishes()
         with slicer.util.NodeModify(parameterNode):
             parameterNode.change({"settings": {}})
-            parameterNode.suggestRatio = wishes.ratio
-            parameterNode.suggestMargin = wishes.margin
+            parameterNode.suggestRatio = SIZING["ratio"][1]
+            parameterNode.suggestMargin = SIZING["margin"][1]
 
     def loadPlan(self, path, parameterNode):
         """Replace stents and method by those of a plan document; what to know about it is in `status` afterward."""
@@ -307,7 +304,7 @@ class SDFStentLogic(
         stent = stentOf(parameterNode)
         points = [] if stent.handle is None else Conversion.placedPoints(stent.handle)
         if len(points):
-            length = max(Sizes.lengthOf(stent), float(np.linalg.norm(np.ptp(points, axis=0))))
+            length = max(stent.draft.length, float(np.linalg.norm(np.ptp(points, axis=0))))
             Display.showPlace(np.mean(points, axis=0), Display.sizeRound(length))
 
     showPlot = staticmethod(Showing.showPlot)

@@ -14,11 +14,11 @@ from SDFStentLib.certificate import (
     NOT_CERTIFIED,
     NOT_READY,
 )
-from SDFStentLib.plan import value_at
+from SDFStentLib.plan import value_at, value_in_use
 from SDFStentLib.report import WARNING
 from SDFStentLib.validation import one_line, printable
 
-from . import Charts, Conversion, Flow, FormerScenes, Outputs, Showing, Sizes, Tiles
+from . import Charts, Conversion, Flow, FormerScenes, Outputs, Showing, Tiles
 from .PanelParts import cut
 from .ParameterNode import methodOf, stentOf, stentsOf
 from .PlanFields import DEFAULTS, METHOD, METHOD_PARAMETERS, Placement
@@ -49,7 +49,7 @@ class Steps:
             ("inputs", _("Vessel"), ", ".join(names)),
             ("place", _("Place"), stent.placement.label() if hasStents else ""),
             ("device", _("Device"), _deviceWords(stent)),
-            ("shape", _("Shape"), "" if Sizes.shapeOf(stent) is None else _("as set")),
+            ("shape", _("Shape"), "" if stent.draft.shape is None else _("as set")),
             ("advanced", _("Advanced"), "" if _isUsual(parameterNode) else _("changed")),
             ("flow", _("Flow"), _flowWords(parameterNode)),
         ):
@@ -234,7 +234,12 @@ class PanelState:
         stent, method = stentOf(parameterNode), methodOf(parameterNode)
         diameter, length = self._logic.sizeLimits(parameterNode)
         _letReach(self.ui.diameterSlider, diameter, stent.diameter)
-        _letReach(self.ui.lengthSlider, length, Sizes.lengthOf(stent))
+        _letReach(self.ui.lengthSlider, length, stent.draft.length)
+        _letReach(
+            self.ui.balloonSlider,
+            self.ui.diameterSlider.maximum,
+            value_in_use(stent.draft, "balloon.diameter"),
+        )
         for name, parameter in METHOD_SLIDERS.items():
             _letReach(getattr(self.ui, name), self._usualReach[name], getattr(method, parameter))
 
@@ -261,9 +266,9 @@ class PanelState:
         stent = stentOf(parameterNode)
         self.ui.wholeCurveCheckBox.visible = stent.placement == Placement.ALONG_CURVE
         device, isByDevice = stent.device, stent.deviceShortening
-        self.ui.lengthSlider.enabled = Sizes.hasFreeLength(stent)
+        self.ui.lengthSlider.enabled = stent.draft.has_free_length
         isKnown = device is not None or stent.placement == Placement.AGAIN
-        isAsked = Sizes.asksForShortening(stent)
+        isAsked = stent.draft.asks_for_shortening
         self.ui.foreshorteningSlider.enabled = isAsked or not (isKnown and isByDevice)
         self.ui.addStentButton.enabled = (
             parameterNode.vessel is not None or parameterNode.centerline is not None

@@ -23,10 +23,9 @@ from slicer import (
 from slicer.i18n import tr as _
 from slicer.parameterNodeWrapper import WithinRange, parameterNodeWrapper
 
-from SDFStentLib.plan import value_at, with_value
-from SDFStentLib.treatment import SizingWishes
+from SDFStentLib.plan import NEW_STENT, Draft, set_value, value_at, value_in_use, with_value
 
-from .PlanFields import DEFAULTS, FLOW, METHOD, RANGES, STENT, USUAL, check
+from .PlanFields import DEFAULTS, FLOW, METHOD, RANGES, SIZING, STENT, check
 from .PlanFields import Placement as Placement
 
 
@@ -60,8 +59,8 @@ class Named:
     def __getattr__(self, name):
         if name == "handle":
             return self._node.get(f"{self._prefix}handle")
-        if name == "entry":
-            return {**USUAL, **(self._node.get(self._prefix[:-1]) or {})}
+        if name == "draft":
+            return Draft(self._node.get(self._prefix[:-1]) or {})
         if name not in self._fields:
             raise AttributeError(f"There is no {name}; expected one of {', '.join(self._fields)}.")
         field = self._fields[name]
@@ -87,6 +86,8 @@ def handleRole(number):
     return f"stents.{number}.handle"
 
 
+SELECTED = "stents.selected."
+
 # Node types are written Optional[X], not X | None: Python before 3.11.7 takes one for the other inside of Annotated, and Slicer
 # then finds no connector for the selector.
 
@@ -106,8 +107,8 @@ class SDFStentParameterNode:
     plan: str = ""
     selected: int = -1
     deviceTable: str = ""
-    suggestRatio: Annotated[float, _within("suggestRatio")] = SizingWishes().ratio
-    suggestMargin: Annotated[float, _within("suggestMargin")] = SizingWishes().margin
+    suggestRatio: Annotated[float, _within("suggestRatio")] = SIZING["ratio"][1]
+    suggestMargin: Annotated[float, _within("suggestMargin")] = SIZING["margin"][1]
 
     autoUpdate: bool = True
     expansion: Annotated[float, WithinRange(0.0, 100.0)] = 100.0
@@ -148,7 +149,9 @@ class SDFStentParameterNode:
         if found is not documentOf:
             return found
         part, _number, inside = (*path.split(".", 2), "", "")[:3]
-        return value_at(USUAL, inside) if part == "stents" and inside else value_at(DEFAULTS, path)
+        return (
+            value_at(NEW_STENT, inside) if part == "stents" and inside else value_at(DEFAULTS, path)
+        )
 
     def change(self, values):
         """Set values of the plan by their paths, in one modification; what belongs to a stent where none is selected is left."""
@@ -165,6 +168,20 @@ class SDFStentParameterNode:
             self.plan = json.dumps(document, ensure_ascii=False)
             for role, node in handles.items():
                 self._refer(role, node)
+
+    def put(self, path, value):
+        """Set a value of the plan and what follows from it, as the library says of the selected stent."""
+        values = {path: value}
+        if path.startswith(SELECTED) and path != f"{SELECTED}handle":
+            changes = set_value(self.stent.draft, path.removeprefix(SELECTED), value)
+            values = {SELECTED + name: one for name, one in changes.items()}
+        self.change(values)
+
+    def shown(self, path):
+        """The value at a path as it is in use, as of a length that a device has."""
+        if path.startswith(SELECTED) and path != f"{SELECTED}handle":
+            return value_in_use(stentOf(self).draft, path.removeprefix(SELECTED))
+        return self.get(path)
 
     def replaceStents(self, entries, handles, selected):
         """Set all stents, their handles and which of them is selected."""
@@ -246,7 +263,7 @@ def methodOf(parameterNode):
 
 
 def _free(stent):
-    return SimpleNamespace(**stent.values(), entry=stent.entry, handle=stent.handle)
+    return SimpleNamespace(**stent.values(), draft=stent.draft, handle=stent.handle)
 
 
 _known = weakref.WeakKeyDictionary()

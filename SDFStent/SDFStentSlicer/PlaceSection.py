@@ -1,15 +1,13 @@
-"""The section Place of the panel: the lesion or the branch at which the selected stent is. All else in it is bound to parameters."""
+"""The section Place of the panel: the lesion or the branch at which the selected stent is. All else in it is bound to the plan."""
 
 import contextlib
 
 from slicer.i18n import tr as _
 
-from SDFStentLib.report import degree_word
-from SDFStentLib.stent import AtLesion, OnBranch
+from SDFStentLib.report import lesion_facts
 from SDFStentLib.validation import InputError
 
-from . import Sizes
-from .ParameterNode import stentOf
+from .ParameterNode import SELECTED, stentOf
 from .PlanFields import Placement
 
 BY_RULE = -100.0
@@ -17,14 +15,12 @@ BY_RULE = -100.0
 
 
 class PlaceSection:
-    """Shows where the selected stent is, by what the vessel has, and sets what the user changes.
+    """Shows where the selected stent is, by what the vessel has, and sets what the user changes."""
 
-    `attempt(action)` does what is asked for and says why when it cannot be done.
-    """
-
-    def __init__(self, ui, logic, attempt):
-        self.ui, self._logic, self._attempt = ui, logic, attempt
+    def __init__(self, ui, logic, _attempt):
+        self.ui, self._logic = ui, logic
         self._parameterNode, self._updating = None, False
+        self._lesions, self._texts = (), []
         ui.landmarkComboBox.connect("activated(int)", lambda _index: self._set())
         ui.landmarkSpinBox.connect("valueChanged(double)", lambda _value: self._set())
 
@@ -37,9 +33,12 @@ class PlaceSection:
             widget.visible = isShown
         if not isShown:
             return
-        place = Sizes.landmarkOf(stent)
+        isLesion = stent.placement == Placement.AT_LESION
         landmarks = self._logic.landmarks(parameterNode)
-        texts, index, value = _shown(stent.placement, place, landmarks)
+        texts, index, value = [], -1, 0.0
+        if landmarks is not None:
+            shown = self._atLesion if isLesion else self._onBranch
+            texts, index, value = shown(stent.draft.place, landmarks)
         self._updating = True
         try:
             box = ui.landmarkComboBox
@@ -47,8 +46,7 @@ class PlaceSection:
                 box.clear()
                 for text in texts:
                     box.addItem(text)
-            box.currentIndex = index
-            isLesion = stent.placement == Placement.AT_LESION
+            box.currentIndex = index if index < len(texts) else -1
             ui.landmarkSpinBox.minimum = BY_RULE if isLesion else 0.0
             ui.landmarkSpinBox.specialValueText = _("as it fits") if isLesion else ""
             ui.landmarkSpinBox.value = value
@@ -56,37 +54,38 @@ class PlaceSection:
             self._updating = False
         ui.landmarkComboBox.enabled = ui.landmarkSpinBox.enabled = landmarks is not None
 
+    def _atLesion(self, place, landmarks):
+        """Texts to choose from, the index of the one that is chosen, -1 for none, and the number beside it."""
+        if landmarks.lesions is not self._lesions:
+            found = [lesion_facts(number, one) for number, one in enumerate(landmarks.lesions, 1)]
+            self._lesions, self._texts = landmarks.lesions, [_textOf(facts) for facts in found]
+        index = -1 if place is None else place.number - 1
+        isGiven = place is not None and place.offset is not None
+        return self._texts, index, place.offset if isGiven else BY_RULE
+
+    @staticmethod
+    def _onBranch(place, landmarks):
+        texts = list(landmarks.branch_names)
+        if place is not None:
+            with contextlib.suppress(InputError):  # a branch that is not there: deploying tells it
+                return texts, landmarks.branch(place.branch), landmarks.along(place)
+        return texts, -1, 0.0
+
     def _set(self):
         if self._updating or self._parameterNode is None:
             return
         index, value = self.ui.landmarkComboBox.currentIndex, self.ui.landmarkSpinBox.value
         if index < 0:
             return
+        place = {"branch": index + 1, "distance": value}
         if stentOf(self._parameterNode).placement == Placement.AT_LESION:
-            place = AtLesion(index + 1, None if value <= BY_RULE else value)
-        else:
-            place = OnBranch(index + 1, value)
-        self._attempt(lambda: self._logic.setLandmark(self._parameterNode, place))
+            place = {"lesion": index + 1, **({} if value <= BY_RULE else {"offset": value})}
+        self._parameterNode.change({f"{SELECTED}placement": place})
 
 
-def _shown(kind, place, landmarks):
-    """Texts to choose from, the index of the one that is chosen, -1 for none, and the number beside it."""
-    if landmarks is None:
-        return [], -1, 0.0
-    if kind == Placement.AT_LESION:
-        texts = [
-            _("{number} {branch}, {degree}").format(
-                number=number, branch=one.branch_name, degree=degree_word(one.percent_diameter)
-            )
-            for number, one in enumerate(landmarks.lesions, 1)
-        ]
-        index = -1 if place is None else min(place.number, len(texts) + 1) - 1
-        isGiven = place is not None and place.offset is not None
-        value = place.offset if isGiven else BY_RULE
-    else:
-        texts = list(landmarks.branch_names)
-        index, value = -1, 0.0
-        if place is not None:
-            with contextlib.suppress(InputError):  # a branch that is not there: deploying tells it
-                index, value = landmarks.branch(place.branch), landmarks.along(place)
-    return texts, index if index < len(texts) else -1, value
+def _textOf(facts):
+    return _("{number} {branch}, {degree}").format(
+        number=facts.value("number"),
+        branch=facts.value("branch_name"),
+        degree=facts.named("percent_diameter").in_few,
+    )

@@ -5,11 +5,13 @@ from typing import Any, NamedTuple
 
 from slicer.i18n import tr as _
 
-from SDFStentLib.flow import Known
-from SDFStentLib.parameter import parameters_of
-from SDFStentLib.plan import Plan, method_parameters, stent_entry
-from SDFStentLib.stent import Stent
-from SDFStentLib.treatment import LONGEST_MARGIN, RATIOS
+from SDFStentLib.plan import (
+    NEW_STENT,
+    Plan,
+    method_parameters,
+    parameter_at,
+    sizing_parameters,
+)
 
 
 class Placement(enum.Enum):
@@ -56,6 +58,11 @@ class Placement(enum.Enum):
         return self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE, Placement.AGAIN)
 
     @property
+    def isByPoint(self):
+        """Whether one point and its length say where the stent is."""
+        return self in (Placement.CENTER, Placement.DISTAL_END, Placement.PROXIMAL_END)
+
+    @property
     def isOfVessel(self):
         """Whether what the vessel has says where the stent is, and the handle follows."""
         return self in (Placement.AT_LESION, Placement.ON_BRANCH)
@@ -89,6 +96,10 @@ class Range(NamedTuple):
     unit: str = " mm"
 
 
+def _rangeOf(one, words, unit=" mm"):
+    return Range(one.least, one.most, words, unit)
+
+
 METHOD_PARAMETERS = {
     _fieldOf(name): (name, one)
     for name, one in method_parameters().items()
@@ -96,16 +107,18 @@ METHOD_PARAMETERS = {
 }
 """By field of `MethodParameters`: name and `Parameter` of what the panel shows of the method as the library has it."""
 
-_OF_STENT = parameters_of(Stent)
-_SHORTENING = _OF_STENT["foreshortening_fraction"]
+_WIDEST = parameter_at("stents.diameter").most
+_SHORTENING = parameter_at("stents.foreshortening_fraction")
+SIZING = sizing_parameters()
+"""By name what a suggestion goes by: the `Parameter` and its default."""
 
 RANGES = {
-    "diameter": Range(0.1, _OF_STENT["diameter"].most, "a diameter"),
-    "length": Range(0.1, _OF_STENT["length"].most, "a length"),
+    "diameter": Range(0.1, _WIDEST, "a diameter"),
+    "length": Range(0.1, parameter_at("stents.length").most, "a length"),
     "foreshortening": Range(
         100 * _SHORTENING.least, 100 * _SHORTENING.most, "a foreshortening", " %"
     ),
-    "redilation": Range(0.0, _OF_STENT["diameter"].most, "a redilation"),
+    "redilation": Range(0.0, _WIDEST, "a redilation"),
     **{
         field: Range(0.0 if one.is_optional else one.lowest, one.most, _inWords(name))
         for field, (name, one) in METHOD_PARAMETERS.items()
@@ -117,9 +130,9 @@ RANGES = {
     "inletPressure": Range(0.0, 300.0, "a pressure at the inlet", " mmHg"),
     "wedgePressure": Range(0.0, 300.0, "a wedge pressure", " mmHg"),
     "splitRight": Range(0.0, 99.0, "a share of the flow to the right", " %"),
-    "flowBsa": Range(0.0, parameters_of(Known)["bsa"].most, "a body surface area", " m2"),
-    "suggestRatio": Range(*RATIOS, "a ratio to the adjacent vessel", ""),
-    "suggestMargin": Range(0.0, LONGEST_MARGIN, "a margin"),
+    "flowBsa": Range(0.0, parameter_at("flow.bsa").most, "a body surface area", " m2"),
+    "suggestRatio": _rangeOf(SIZING["ratio"][0], "a ratio to the adjacent vessel", ""),
+    "suggestMargin": _rangeOf(SIZING["margin"][0], "a margin"),
 }
 
 
@@ -192,17 +205,6 @@ class PlaceField(PlanField):
         return value.place if isinstance(value, Placement) else value
 
 
-USUAL = {
-    **stent_entry(Stent(8.0, length=20.0, foreshortening_fraction=0.1, name="Stent")),
-    "placement": Placement.CENTER.place,
-    "whole_curve": True,
-    "device_shortening": False,
-    "redilation": None,
-}
-"""What a stent has in the document unless it is set: the values of the library's, and what else the panel knows of it. Length and
-shortening are kept while others than these count: the whole curve, or what is known of the device. `redilation` is the diameter to which
-it is dilated once more at once, mm."""
-
 STENT = {
     "label": PlanField("name"),
     "foreshortening": PlanField("foreshortening_fraction", " %"),
@@ -212,7 +214,7 @@ STENT = {
     "redilation": PlanField("redilation", none=0.0),
 }
 STENT |= {
-    name: PlanField(name) for name in USUAL if name not in {one.path for one in STENT.values()}
+    name: PlanField(name) for name in NEW_STENT if name not in {one.path for one in STENT.values()}
 }
 METHOD = {
     field: PlanField(f"settings.{name}", none=0.0 if one.is_optional else None)

@@ -3,21 +3,13 @@
 import numpy as np
 import slicer
 
-from SDFStentLib.plan import placement_document
-from SDFStentLib.stent import (
-    DEFAULT_FORESHORTENING,
-    AtCenter,
-    AtDistalEnd,
-    OfVessel,
-    stent_axis,
-)
-from SDFStentLib.treatment import nearest_place, placement_at
+from SDFStentLib.plan import NEW_STENT, Row, lying, placement_document
 from SDFStentLib.validation import InputError
 
-from . import Conversion, Dependencies, Handles, Plans, Sizes
+from . import Conversion, Dependencies, Handles, Plans
 from .LumenMiddle import middleOn
 from .ParameterNode import stentOf, stentsOf
-from .PlanFields import STENT_FIELDS, USUAL, Placement
+from .PlanFields import STENT_FIELDS, Placement
 from .Portions import untilDone
 from .StentList import StentList
 
@@ -45,7 +37,7 @@ class Planning:
         The handle is put at the middle of the centerline. Along a curve, which is the placement where there is no centerline,
         it is a curve without points, for the user to draw.
         """
-        unknown = set(values).difference(STENT_FIELDS, USUAL)
+        unknown = set(values).difference(STENT_FIELDS, NEW_STENT)
         if unknown:
             raise InputError(
                 f"Stent: expected values of {', '.join(STENT_FIELDS)}, got {', '.join(sorted(unknown))}."
@@ -70,15 +62,13 @@ class Planning:
 
         Expanded it is as long as the lesion, whose ends are where the lumen is within a tenth of the healthy one; in whole mm.
         """
-        length = float(np.ceil(lesion.length / (1 - DEFAULT_FORESHORTENING)))
-        place = placement_at(lesion, self._inputs.centerline(parameterNode), length)
-        handle = self.addStent(
-            parameterNode,
-            diameter=round(lesion.reference_diameter, 1),
-            length=length,
-            placement=Placement.CENTER if isinstance(place, AtCenter) else Placement.DISTAL_END,
-        )
-        handle.SetNthControlPointPositionWorld(0, *place.point)
+        row = Row(self.landmarks(parameterNode).stent_over(lesion))
+        return self.addRow(parameterNode, row)
+
+    def addRow(self, parameterNode, row):
+        """Append a stent of the library by a point, a `Row`, under a free name; returns the handle."""
+        handle = self.addStent(parameterNode, **_valuesOf(row))
+        handle.SetNthControlPointPositionWorld(0, *row.points[0])
         return handle
 
     def copyStent(self, parameterNode):
@@ -98,7 +88,7 @@ class Planning:
         found = self.lying(parameterNode, tree)
         if found is None:
             return
-        line, former, ways = found[1].line, Conversion.placedPoints(handle), []
+        line, former, ways = found.axis.line, Conversion.placedPoints(handle), []
         at = line.nearest(np.array(former)).arc_lengths
         with slicer.util.NodeModify(handle):
             for end, offsets in (
@@ -107,8 +97,8 @@ class Planning:
             ):
                 points = [Handles.along(tree, end, offset) for offset in offsets]
                 Handles.placeAt(handle, points)
-                lying = self.lying(parameterNode, tree)
-                room = 0.0 if lying is None else lying[1].deployed_length
+                there = self.lying(parameterNode, tree)
+                room = 0.0 if there is None else there.axis.deployed_length
                 away = np.linalg.norm(np.subtract(points, former), axis=1).min()
                 ways.append((min(room, away), points))
             Handles.placeAt(handle, max(ways, key=lambda way: way[0])[1])
@@ -131,7 +121,7 @@ class Planning:
         stent = parameterNode.stent
         stent.foreshortening = 0.0 if stent.placement.usesHandleLength else 10.0
         if stent.handle is not None and parameterNode.centerline is not None:
-            tree, length = self._inputs.centerline(parameterNode), Sizes.lengthOf(stent)
+            tree, length = self._inputs.centerline(parameterNode), stent.draft.length
             Handles.fitHandle(stent.handle, stent.placement, tree, length)
 
     def leadHandle(self, parameterNode, handle):
@@ -151,29 +141,25 @@ class Planning:
             raise InputError(search.sentence)
         stent = parameterNode.stent
         points = [] if stent.handle is None else Conversion.placedPoints(stent.handle)
-        kind = Sizes.KINDS[stent.placement]
-        found = nearest_place(kind, search.landmarks, np.mean(points, axis=0) if points else None)
-        self.setLandmark(parameterNode, found)
-
-    @staticmethod
-    def setLandmark(parameterNode, placement):
-        """Let the selected stent be at a lesion, or on a branch: at a placement of the library of that kind."""
-        StentList(parameterNode).change(placement=placement_document(placement))
+        point = np.mean(points, axis=0) if points else None
+        found = search.landmarks.nearest(stent.draft.kind, point)
+        StentList(parameterNode).change(placement=placement_document(found))
 
     def freePlace(self, parameterNode):
         """Let a stent that lies at a lesion, or on a branch, lie by its handle, where that is: a hand moves it now."""
         stent = stentOf(parameterNode)
         if len(stentsOf(parameterNode)) and stent.placement.isOfVessel:
-            isPlaced = not (Dependencies.missingOf(stent) or Sizes.refusal(stent))
-            planned = Plans.plannedStent(stent) if isPlaced else None
-            placed = planned and self._placedKnown(parameterNode, planned)
-            isDistal = placed is not None and isinstance(placed.placement, AtDistalEnd)
-            kind = Placement.DISTAL_END if isDistal else Placement.CENTER
+            isPlaced = not (Dependencies.missingOf(stent) or stent.draft.refusal)
+            placed = self._placedKnown(parameterNode, stent) if isPlaced else None
+            kind = (
+                Placement.CENTER if placed is None else Placement.of(Row(placed).entry["placement"])
+            )
             StentList(parameterNode).change(placement=kind)
 
-    def _placedKnown(self, parameterNode, planned):
-        """A stent of the library by a point, where it is known; None where it is not yet."""
-        if not isinstance(planned.placement, OfVessel):
+    def _placedKnown(self, parameterNode, stent):
+        """A stent as the library's, by a point, where it is known; None where it is not yet."""
+        planned = Plans.plannedStent(stent)
+        if not stent.placement.isOfVessel:
             return planned
         search = self.lesionSearch(parameterNode)
         if search is None or search.landmarks is None:
@@ -186,22 +172,21 @@ class Planning:
     def followLandmarks(self, parameterNode):
         """Bring handles of stents at lesions and on branches to where these lie, once the vessel is known."""
         for stent in stentsOf(parameterNode):
-            isPlaced = stent.placement.isOfVessel and Sizes.landmarkOf(stent) is not None
-            if not isPlaced or stent.handle is None or Sizes.refusal(stent):
+            if stent.draft.place is None or stent.handle is None or stent.draft.refusal:
                 continue
-            placed = self._placedKnown(parameterNode, Plans.plannedStent(stent))
+            placed = self._placedKnown(parameterNode, stent)
             if placed is not None:
                 Handles.bring(stent.handle, placed.placement.point)
 
     def lying(self, parameterNode, centerline):
-        """The selected stent as the library's, and the `StentAxis` on which it will lie; None for one that cannot."""
+        """The selected stent as the library's `PlacedStent`, where it will lie; None for one that cannot."""
         stent = stentOf(parameterNode)
         isThere = len(stentsOf(parameterNode)) and not Dependencies.missingOf(stent)
-        if not isThere or Sizes.refusal(stent):
+        if not isThere or stent.draft.refusal:
             return None
         try:
-            planned = self._placedKnown(parameterNode, Plans.plannedStent(stent))
-            return planned and (planned, stent_axis(planned, centerline))
+            planned = self._placedKnown(parameterNode, stent)
+            return planned and lying(planned, centerline)
         except InputError:
             return None  # a deployment says why
 
@@ -220,10 +205,10 @@ class Planning:
         None where its length is not its own to set, and before the centerline is known.
         """
         stent = stentOf(parameterNode)
-        if stent.placement not in Sizes.BY_POINT or not Sizes.hasFreeLength(stent):
+        if not stent.placement.isByPoint or not stent.draft.has_free_length:
             return None
         found = self.stentLying(parameterNode)
-        return None if found is None else found[1].points[[0, -1]]
+        return None if found is None else found.axis.points[[0, -1]]
 
     def leadEnds(self, parameterNode, ends):
         """Keep a markups node with the ends of the selected stent on the centerline while the mouse moves one."""
@@ -236,7 +221,7 @@ class Planning:
         line = centerline.path(first, last).line
         if line.length < SHORTEST:
             return
-        length = line.length / (1 - Sizes.foreshorteningOf(stent) / 100)
+        length = line.length / (1 - stent.draft.foreshortening)
         kept = stent.keeps
         # The middle is that of the stent as it is packed.
         middle = {
@@ -276,8 +261,7 @@ class Planning:
         """
         stents = [stent for stent in parameterNode.stents if stent.handle is handle]
         if stents and parameterNode.centerline is not None and not self.missing(parameterNode):
-            surface = self._inputs.vessel(parameterNode).surface
-            self._snapping.snap(stents[0], self._inputs.centerline(parameterNode), surface)
+            self._snapping.snap(stents[0], self._inputs.patient(parameterNode))
             parameterNode.status = self._snapping.reported(parameterNode)
 
     def takePlaced(self, parameterNode, handle, index, ray):
@@ -297,3 +281,10 @@ class Planning:
             else:
                 handle.SetNthControlPointPositionWorld(index, *middle)
             parameterNode.status = self._snapping.reported(parameterNode)
+
+
+def _valuesOf(row):
+    """A stent of the library, but for its name."""
+    values = row.entry
+    del values["name"]
+    return {**values, "placement": Placement.of(values["placement"])}

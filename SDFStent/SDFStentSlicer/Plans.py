@@ -1,36 +1,34 @@
-"""Parameters to library values and back: stents, method settings, and the plan document."""
+"""The plan of a parameter node as the library's: its document, with places by the handles and files by the nodes."""
 
 import json
 from dataclasses import replace
 from functools import lru_cache
 from types import SimpleNamespace
-from typing import Any, NamedTuple
 
 import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib import stent as library
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.plan import (
-    Marks,
+    Case,
     Plan,
+    flow_entry,
     load_plan,
-    placement_document,
+    numbers_again,
     plan_from_document,
     plan_text,
+    rows_from,
+    rows_of,
     save_plan,
-    stent_entry,
-    turned,
+    stents_of,
     value_at,
 )
-from SDFStentLib.stent import InputFile, OfStent, OfVessel
 from SDFStentLib.validation import InputError, as_place
 
-from . import Conversion, Dependencies, Flow, Handles, Sizes
+from . import Conversion, Dependencies, Flow, Handles
 from .ParameterNode import stentsOf
 from .PlanFields import FLOW, METHOD, METHOD_PARAMETERS, RANGES, STENT, Placement
-from .Sizes import BY_POINT
 from .StentList import StentList
 
 
@@ -39,36 +37,58 @@ def plannedOf(parameterNode):
 
     One that is off may lie nowhere yet; where its sizes do not fit together either it is there by its name.
     """
-    return _allPlanned(stentsOf(parameterNode), isPlan=False)
+    return _planned(stentsOf(parameterNode), has_named=True)
 
 
-def rowsOf(parameterNode):
-    """The rows of the table, from 1, of each of `plannedOf`: one that is dilated again at once is one row."""
-    stents = enumerate(stentsOf(parameterNode), start=1)
-    return [row for row, stent in stents for _once in range(1 + (stent.redilation > 0))]
+def caseOf(parameterNode, vessel, live=False, **how):
+    """The library's `Case` of all stents in its `Vessel`; `live` for a preview."""
+    plan = Plan(
+        stents=tuple(plannedOf(parameterNode)),
+        settings=settingsOf(parameterNode, live),
+        straightening_fraction=parameterNode.get("settings.straightening_fraction"),
+    )
+    rows = rows_of([stent.draft for stent in stentsOf(parameterNode)])
+    return Case(vessel, plan, rows=rows, **how)
 
 
-def isUnplaced(stent, again=None):
-    """Whether it cannot be said yet where a stent lies, or what it is; `again` is the number of the one that it dilates again."""
+def _planned(stents, has_named=False):
+    drafts = [stent.draft for stent in stents]
+    again = numbers_again(drafts, [stent.handle for stent in stents])
+    places = [placeOf(stent, number) for stent, number in zip(stents, again, strict=True)]
+    return stents_of(drafts, places, has_named)
+
+
+def placeOf(stent, again=None):
+    """Where a stent is, in RAS, as in the document of a whole plan; None for one that is off and lies nowhere yet.
+
+    `again` is the number of the one that it dilates again. Raises `InputError` where it cannot be said yet.
+    """
+    if not stent.enabled and _isUnplaced(stent, again):
+        return None
+    kind, handle = stent.placement, stent.handle
+    if kind == Placement.AGAIN:
+        if again is None:
+            raise InputError(
+                f"{stent.label}: expected a stent above it with the same handle, which it dilates again, got none; choose its handle."
+            )
+        return {"stent": again}
+    if kind.isOfVessel:
+        return stent.draft.entry["placement"]
+    if kind == Placement.ALONG_CURVE:
+        return {"axis": {"points": Conversion.curvePoints(handle)}}
+    points = Conversion.handlePoints(handle, kind.pointCount, stent.label)
+    return dict(zip(kind.place, points, strict=True))
+
+
+def _isUnplaced(stent, again):
+    """Whether it cannot be said yet where a stent lies; `again` is the number of the one that it dilates again."""
     isOrphan = stent.placement == Placement.AGAIN and again is None
-    return isOrphan or bool(Dependencies.missingOf(stent) or Sizes.refusal(stent))
+    return isOrphan or bool(Dependencies.missingOf(stent))
 
 
-def _allPlanned(stents, isPlan=True):
-    """The library's stents of some parameters, each followed by itself where it is dilated again at once."""
-    planned = []
-    for stent, again in zip(stents, Sizes.numbersAgain(stents), strict=True):
-        isNowhere = not stent.enabled and isUnplaced(stent, again)
-        isAgain = stent.redilation > 0
-        if isNowhere and not isPlan and Sizes.refusal(stent):
-            named = library.Stent(stent.diameter, name=stent.label, enabled=False)
-            planned += [named] * (1 + isAgain)
-            continue
-        own = plannedStent(stent, again, isNowhere)
-        planned.append(own)
-        if isAgain:
-            planned.append(Sizes.dilatedAgain(own, len(planned), stent.redilation))
-    return planned
+def plannedStent(stent):
+    """The library's stent, by its own place. Raises `InputError` where it has none, or its sizes do not fit together."""
+    return stent.draft.at(placeOf(stent))
 
 
 def settingsOf(parameterNode, live=False):
@@ -93,18 +113,16 @@ def planOf(parameterNode, stents=None, hasFiles=True):
     chosen = stentsOf(parameterNode) if stents is None else stents
     vessel, line = parameterNode.vessel, parameterNode.centerline
     surface, centerline = (fileOf(node) if hasFiles else None for node in (vessel, line))
-    frame = "RAS" if surface is None else Conversion.fileFrame(vessel)
-    return Plan(
-        stents=tuple(_inFrame(stent, frame) for stent in _allPlanned(chosen)),
-        surface=surface,
-        centerline=centerline,
+    plan = Plan(
+        stents=tuple(_planned(chosen)),
+        frame="RAS",
         units="mm" if surface is None else Conversion.fileUnits(vessel),
-        frame=frame,
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.get("settings.straightening_fraction"),
-        flow=Flow.plannedFlow(parameterNode, lambda place: _placeInFrame(place, frame)),
-        **_known(frame, marksOf(parameterNode)),
+        flow=Flow.plannedFlow(parameterNode),
     )
+    frame = "RAS" if surface is None else Conversion.fileFrame(vessel)
+    return plan.marked(marksOf(parameterNode)).of_files(surface, centerline).in_frame(frame)
 
 
 def marksOf(parameterNode):
@@ -115,19 +133,12 @@ def marksOf(parameterNode):
 @lru_cache(maxsize=8)
 def _marksIn(text):
     empty = json.loads(plan_text(Plan()))
-    return _marksOf(plan_from_document({**empty, "inputs": json.loads(text)}))
-
-
-def _marksOf(plan):
-    """The marks of a plan, in RAS."""
-    root = None if plan.root is None else np.array(plan.root)
-    reference = tuple(map(np.array, plan.reference))
-    return Marks(root, reference, plan.names, plan.frame).in_frame("RAS")
+    return plan_from_document({**empty, "inputs": json.loads(text)}).marks.in_frame("RAS")
 
 
 def setMarks(parameterNode, marks):
     """Set what the plan says of the vessel, in RAS; see `marksOf`."""
-    document = json.loads(plan_text(Plan(frame="RAS", **_known("RAS", marks))))["inputs"]
+    document = json.loads(plan_text(Plan(frame="RAS").marked(marks)))["inputs"]
     parameterNode.change({"inputs": document})
 
 
@@ -149,16 +160,6 @@ def moveMarks(parameterNode, move):
         parameterNode,
         marks._replace(root=root, reference=tuple(map(moved, marks.reference)), names=tuple(names)),
     )
-
-
-def _known(frame, marks):
-    """Marks as arguments of a plan in a frame."""
-    turned = marks.in_frame(frame)
-    return {
-        "root": None if turned.root is None else as_place(turned.root),
-        "reference": tuple(map(as_place, turned.reference)),
-        "names": turned.names,
-    }
 
 
 def save(path, parameterNode):
@@ -203,13 +204,13 @@ def restore(text, parameterNode):
 
 def _take(plan, path, parameterNode, former):
     """Replace stents and method; handles of `former` stents of the same names are moved to where they belong, others made."""
-    rows = _rows(path, plan.stents)
-    planned = [_inFrame(row.stent, plan.frame) for row in rows]
-    stents = [
-        {**valuesOf(stent), "redilation": row.redilation or None}
-        for stent, row in zip(planned, rows, strict=True)
-    ]
-    flow = Flow.documentOf(plan.flow)
+    plan = plan.in_frame("RAS")
+    try:
+        rows = rows_from(plan.stents)
+    except InputError as error:
+        raise error.labeled(f"{path}: ") from error
+    stents = [row.entry for row in rows]
+    flow = flow_entry(plan.flow)
     shown = SimpleNamespace(
         get=lambda path: value_at({"settings": plan.method, "flow": flow}, path)
     )
@@ -218,75 +219,19 @@ def _take(plan, path, parameterNode, former):
     for fields, name in ((METHOD, "settings"), (FLOW, "flow")):
         found = {key: one.shown(shown.get(one.path)) for key, one in fields.items()}
         _checkRanges(found, f"{path}: {name}")
-    for values, stent, row in zip(
-        stents, planned, rows, strict=True
-    ):  # nothing is refused from here on
+    for values, row in zip(stents, rows, strict=True):  # nothing is refused from here on
         own = former.get(values["name"])
         if row.original is not None:
             values["handle"] = stents[row.original]["handle"]
-        elif stent.placement is None and own is not None:  # as it was
-            values["handle"], values["placement"] = own.handle, own.entry["placement"]
+        elif row.stent.placement is None and own is not None:  # as it was
+            values["handle"], values["placement"] = own.handle, own.draft.entry["placement"]
         else:
-            values["handle"] = _handleOf(stent, values["name"], own and own.handle)
+            kind = Placement.of(values["placement"])
+            values["handle"] = _handleOf(kind, row.points, values["name"], own and own.handle)
     with slicer.util.NodeModify(parameterNode):
         parameterNode.change({"settings": plan.method, "flow": flow})
-        setMarks(parameterNode, _marksOf(plan))
+        setMarks(parameterNode, plan.marks)
         StentList(parameterNode).replace(stents, 0 if stents else -1)
-
-
-class _Row(NamedTuple):
-    """A stent of a plan in the list of the panel."""
-
-    stent: Any
-    redilation: float = 0.0
-    """To which it is dilated again at once, as the panel does it, mm."""
-    original: int | None = None
-    """Of one that dilates another again: the row of that one."""
-
-
-def _rows(path, stents):
-    """The stents of a plan as rows of the list; `InputError` for one that dilates again what is not above it."""
-    rows, rowOf = [], {}
-    for number, stent in enumerate(stents, start=1):
-        if not isinstance(stent.placement, OfStent):
-            rowOf[number] = len(rows)
-            rows.append(_Row(stent))
-            continue
-        if stent.placement.number not in rowOf:
-            raise InputError(
-                f"{path}: stent {number}: expected a stent above it to dilate again, got stent "
-                f"{stent.placement.number}; name one above it."
-            )
-        rowOf[number] = original = rowOf[stent.placement.number]
-        if _isAtOnce(stent, number, stents, rows):
-            rows[-1] = rows[-1]._replace(redilation=stent.inflated_diameter)
-        else:
-            rows.append(_Row(stent, original=original))
-    return rows
-
-
-def _isAtOnce(stent, number, stents, rows):
-    """Whether a stent is what the panel makes of the last row's second diameter."""
-    first = number - 1
-    if stent.placement.number != first or stents[first - 1] is not rows[-1].stent:
-        return False
-    try:
-        again = library.dilated_again(rows[-1].stent, first, stent.inflated_diameter)
-    except InputError:
-        return False
-    named = (stent.name, Sizes.nameAgain(rows[-1].stent.name), "")
-    return stent.name in named[1:] and replace(again, name=stent.name) == stent
-
-
-def _placeInFrame(place, frame):
-    """A place from RAS to a frame, as a tuple."""
-    x, y, z = place
-    return (-x, -y, z) if frame == "LPS" else (x, y, z)
-
-
-def _inFrame(planned, frame):
-    """A stent from RAS to a frame, or back."""
-    return turned(planned) if frame == "LPS" else planned
 
 
 def _shownOf(entry, fields):
@@ -303,49 +248,7 @@ def _checkRanges(values, name):
             )
 
 
-def plannedStent(stent, number=None, isNowhere=False):
-    """The library's stent, at no place where it is nowhere; `number` is that of the one which it dilates again."""
-    place = None if isNowhere else _placementOf(stent, number)
-    planned = Sizes.stentAt(stent, place, stent.label)
-    return planned if stent.enabled else replace(planned, enabled=False)
-
-
-def _placementOf(stent, number):
-    if stent.placement == Placement.AGAIN:
-        if number is None:
-            raise InputError(
-                f"{stent.label}: expected a stent above it with the same handle, which it dilates again, got none; choose its handle."
-            )
-        return OfStent(number)
-    if stent.placement.isOfVessel:
-        return Sizes.landmarkOf(stent)
-    if stent.placement == Placement.ALONG_CURVE:
-        return library.AlongAxis(Conversion.curvePoints(stent.handle))
-    points = Conversion.handlePoints(stent.handle, stent.placement.pointCount, stent.label)
-    if stent.placement == Placement.BETWEEN_POINTS:
-        return library.BetweenPoints(*points)
-    return BY_POINT[stent.placement](points[0])
-
-
-def valuesOf(stent):
-    """A stent as the entry of the panel's document, still without a handle."""
-    kind, _points = _kindAndPoints(stent.placement)
-    values = {
-        **stent_entry(stent),
-        "name": stent.name or "Stent",
-        "foreshortening_fraction": stent.foreshortening,
-        "device_shortening": stent.foreshortening_fraction is None
-        and (stent.device is not None or kind == Placement.AGAIN),
-        "placement": placement_document(stent.placement) if kind.isOfVessel else kind.place,
-        "whole_curve": stent.length is None,
-    }
-    if stent.length is None:
-        del values["length"]
-    return values
-
-
-def _handleOf(planned, label, former=None):
-    kind, points = _kindAndPoints(planned.placement)
+def _handleOf(kind, points, label, former=None):
     if kind.isOfVessel and Handles.isOwn(former):
         return former  # it follows
     className = Handles.CURVE if kind == Placement.ALONG_CURVE else Handles.POINTS
@@ -354,23 +257,8 @@ def _handleOf(planned, label, former=None):
     return Handles.createHandle(slicer.mrmlScene, label, points, className)
 
 
-def _kindAndPoints(placement):
-    if placement is None:
-        return Placement.CENTER, []
-    if isinstance(placement, OfVessel):
-        return next(kind for kind, one in Sizes.KINDS.items() if isinstance(placement, one)), []
-    for kind, cls in BY_POINT.items():
-        if isinstance(placement, cls):
-            return kind, [placement.point]
-    if isinstance(placement, library.BetweenPoints):
-        return Placement.BETWEEN_POINTS, [placement.start, placement.end]
-    if isinstance(placement, OfStent):
-        return Placement.AGAIN, []
-    return Placement.ALONG_CURVE, placement.points
-
-
 def fileOf(node):
-    """The file that a model came from, when the plan can be replayed with it; else None."""
+    """The path of the file that a model came from, when the plan can be replayed with it; else None."""
     if (
         node is None
         or not node.IsA("vtkMRMLModelNode")
@@ -380,7 +268,7 @@ def fileOf(node):
     storage = node.GetStorageNode()
     if storage is None or not storage.GetFileName() or node.GetModifiedSinceRead():
         return None
-    return InputFile(storage.GetFullNameFromFileName())
+    return storage.GetFullNameFromFileName()
 
 
 def _withoutFiles(parameterNode):

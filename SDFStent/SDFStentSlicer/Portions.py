@@ -116,6 +116,57 @@ _left = []
 """Threads that nobody waits for any more."""
 
 
+class RestedRun:
+    """Runs what follows from a change, once that has rested for some ms, so that nothing is done for what a hand still moves.
+
+    `portions()` is an iterator as that of a `SteppedRun`, `onDone(error)` is called in the end.
+    """
+
+    def __init__(self, portions, onDone, restMs):
+        self._portions = portions
+        self._whose = self._what = None
+        self._run = SteppedRun(lambda _value: None, onDone)
+        self._timer = Clock.timer(self._begin, restMs)
+
+    @property
+    def isBusy(self):
+        """Whether something is done, or about to be."""
+        return self._run.isRunning or self._timer.isActive()
+
+    def follow(self, whose, what):
+        """What is to be done something for now, and on what that depends, None for nothing; called whenever these may have changed.
+
+        For what comes first nothing is done: it is as it was left.
+        """
+        isSame = whose == self._whose
+        if isSame and what == self._what:
+            return
+        self._cancel()
+        self._whose, self._what = whose, what
+        if isSame and what is not None:
+            self._timer.start()
+
+    def hurry(self):
+        """Begin now what would begin after a longer rest; returns whether something is done."""
+        if self._timer.isActive():
+            self._timer.stop()
+            self._begin()
+        return self._run.isRunning
+
+    def finish(self):
+        """Do at once what is about to be done."""
+        if self.isBusy:
+            self._cancel()
+            untilDone(self._portions())
+
+    def _cancel(self):
+        self._timer.stop()
+        self._run.cancel()
+
+    def _begin(self):
+        self._run.start(working(self._portions()))
+
+
 def inPortions(function):
     """Run a function on a thread of its own; a generator that yields None until it is done and returns what it
     returned.

@@ -2,12 +2,12 @@
 
 import threading
 import time
+from typing import Any, NamedTuple
 
 import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.treatment import Preview, PreviewState
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Dependencies, Plans, Results
@@ -33,17 +33,10 @@ class Previewing:
         parameterNode, surface = shown.parameterNode, shown.surface(vessel)
         surface.hideOutline()  # until nothing more is coming
         try:
-            stents = Plans.plannedOf(parameterNode)
-            stents = yield from working(inputs.placedInPortions(parameterNode, stents))
-            run = yield from working(
-                inputs.preview(parameterNode).portions(
-                    stents,
-                    Plans.settingsOf(parameterNode, live=True),
-                    parameterNode.get("settings.straightening_fraction"),
-                    Dependencies.places(parameterNode),
-                    Plans.rowsOf(parameterNode),
-                )
-            )
+            preview = inputs.preview(parameterNode)
+            case = Plans.caseOf(parameterNode, preview.vessel, live=True)
+            yield from working(inputs.placedInPortions(parameterNode, case))
+            run = yield from working(preview.portions(case, Dependencies.places(parameterNode)))
             run.follow(shown.run)
         except (InputError, DeploymentError):
             self._show(shown, surface, PreviewRun.withoutStents(vessel.surface), signature)
@@ -78,23 +71,14 @@ class Previewing:
 class PreviewedVessel:
     """One vessel on which plans are tried out. What is made for it once is made once, whoever waits for it. No nodes in here."""
 
-    def __init__(self, surface, centerline):
-        self.surface = surface
-        self._preview, self._lock = Preview(surface, centerline), threading.Lock()
+    def __init__(self, vessel):
+        """Of the library's `Vessel`."""
+        self.vessel, self._preview, self._lock = vessel, vessel.preview, threading.Lock()
 
-    def portions(self, planned, settings, straightening, places, rows=()):
-        """Preview a plan; yields None until it is done, then returns its `PreviewRun`."""
-        return (
-            yield from self._inTurn(
-                lambda: PreviewRun(
-                    self.surface,
-                    self._preview.of(
-                        planned, settings, straightening_fraction=straightening, rows=rows
-                    ),
-                    places,
-                )
-            )
-        )
+    def portions(self, case, places):
+        """Preview the library's `Case` in this vessel; yields None until it is done, then returns its `PreviewRun`."""
+        surface = self.vessel.surface
+        return (yield from self._inTurn(lambda: PreviewRun(surface, case.previewed(), places)))
 
     def prepared(self):
         """Make what the first preview needs, wherever it will be; yields None until it is done."""
@@ -114,6 +98,14 @@ class PreviewedVessel:
             isWanted[0] = False
 
 
+class _Unmoved(NamedTuple):
+    """The state of a vessel in which nothing is, as the library's `PreviewState` has it."""
+
+    indices: Any
+    coordinates: Any
+    stents: Any
+
+
 class PreviewRun:
     """What a preview shows, in the words of `Stenting`; it has no steps to go back to."""
 
@@ -127,8 +119,8 @@ class PreviewRun:
     @classmethod
     def withoutStents(cls, surface):
         """The vessel as it was."""
-        nothing = np.empty(0, dtype=np.int64)
-        return cls(surface, PreviewState(nothing, np.empty((0, 3)), ()), ())
+        nothing = np.empty(0, dtype=np.int64), np.empty((0, 3)), ()
+        return cls(surface, _Unmoved(*nothing), ())
 
     def follow(self, earlier):
         """Keep what the last deployment in this vessel measured: the `earlier` run is it, or has kept it."""
@@ -148,12 +140,7 @@ class PreviewRun:
 
     def tubes(self):
         """Every stent as a `DrawnStent`."""
-        return lying(
-            {
-                one.number: DrawnStent(one.stent, one.axis, one.stent.widest_diameter / 2)
-                for one in self.state.stents
-            }
-        )
+        return lying({one.number: DrawnStent.whole(one) for one in self.state.stents})
 
     def at(self, percent):
         """The points before or after the stents, and the stents that are there."""

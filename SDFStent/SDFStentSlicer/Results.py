@@ -22,7 +22,6 @@ from SDFStentLib.report import (
     stent_lines,
     stents_in,
 )
-from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautions
 from SDFStentLib.validation import InputError, one_line
 
 from . import Charts, Conversion, Display, Showing
@@ -48,7 +47,7 @@ def showEnd(parameterNode, run, lines):
         parameterNode.expansion = 100.0
         clearNumbers(parameterNode, _("Not measured yet."))
         chosen = run.drawn[selectedStent(parameterNode, run)]
-        parameterNode.atHand = "\n".join(measuring_lines(chosen))
+        parameterNode.atHand = "\n".join(measuring_lines(chosen.placed))
 
 
 def clearNumbers(parameterNode, text=""):
@@ -130,15 +129,14 @@ def showMeasured(parameterNode, run):
 
 def _cautions(run):
     """What has to be known of the stents and of their sizes."""
-    result = run.result
-    told = [*result.warnings, *size_cautions(result.stents, run.lesions, run.label)]
+    told = [*run.result.warnings, *run.case.size_cautions(run.label)]
     return [one for one in told if one.kind != "switched-off"]  # the table says so
 
 
 def showSummary(parameterNode, run):
     """What there is to say of every stent, and of the flow where that is known."""
     summaries = [stentSummary(treated, run.lesions) for treated in run.result.stents]
-    left = residual_of(run.lesions or (), run.result.stents)
+    left = run.case.residual
     headline = [] if left is None else [str(residual_facts(left).named("words"))]
     parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *_flowParagraphs(run)])
     showAtHand(parameterNode, run)
@@ -241,7 +239,7 @@ def showProfile(parameterNode, run):
         "After (mm)": after.inscribed_diameter,
         "Prescribed (mm)": np.where(
             inStent,
-            prescribed_diameters(chosen.stent, chosen.axis, before.arc_length),
+            chosen.prescribed(before.arc_length),
             np.nan,
         ),
         "Equivalent before (mm)": before.equivalent_diameter,

@@ -1,16 +1,13 @@
-"""The section Shape of the panel: profile and caps of the selected stent. Waist and ends are bound to the plan."""
+"""The section Shape of the panel: the profile of the selected stent. All else in it is bound to the plan."""
 
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import read_profile
-from SDFStentLib.stent import Shape
 
-from . import Sizes
 from .Desktop import desktop
 from .ParameterNode import stentOf
 
-FLAT = 0.35
-"""Height of the caps called flat, relative to their radius."""
+TABLE = "stents.selected.shape.table"
 
 
 class ShapeSection:
@@ -19,40 +16,26 @@ class ShapeSection:
     `attempt(action)` carries out an action, and says why if it fails.
     """
 
-    def __init__(self, ui, logic, attempt):
-        self.ui, self._logic, self._attempt = ui, logic, attempt
-        self._parameterNode, self._updating, self._shown = None, False, None
-        for text in (_("Round"), _("Flat")):
-            ui.capsComboBox.addItem(text)
-        ui.capsComboBox.connect("activated(int)", self._onCaps)
+    def __init__(self, ui, _logic, attempt):
+        self.ui, self._attempt = ui, attempt
+        self._parameterNode = self._shown = None
         ui.loadProfileButton.connect("clicked()", self._onLoad)
-        ui.removeProfileButton.connect("clicked()", lambda: self._set({"table": ()}))
+        ui.removeProfileButton.connect("clicked()", lambda: self._set(()))
 
     def show(self, parameterNode):
         """Show the shape of the stent that is selected now."""
         self._parameterNode = parameterNode
         stent = stentOf(parameterNode)
-        if (stent.shape, stent.diameter) == self._shown:
+        if stent.draft.text == self._shown:
             return
-        self._shown = stent.shape, stent.diameter
-        shape, ui = Sizes.shapeOf(stent) or Shape(), self.ui
-        ui.waistPositionSpinBox.enabled = ui.waistLengthSpinBox.enabled = shape.waist is not None
-        ui.proximalEndLengthSpinBox.enabled = shape.start is not None
-        ui.distalEndLengthSpinBox.enabled = shape.end is not None
-        self._updating = True
-        try:
-            self._showCaps(shape.cap_height)
-            self._showTable(shape.table)
-        finally:
-            self._updating = False
-
-    def _showCaps(self, height):
-        box = self.ui.capsComboBox
-        if box.count > 2:  # the height of another plan's caps
-            box.removeItem(2)
-        if height not in (1.0, FLAT):
-            box.addItem(_("{height:g} of the radius high").format(height=height))
-        box.currentIndex = {1.0: 0, FLAT: 1}.get(height, 2)
+        self._shown = stent.draft.text
+        shape, ui = stent.draft.shape, self.ui
+        ui.waistPositionSpinBox.enabled = ui.waistLengthSpinBox.enabled = bool(
+            shape and shape.waist
+        )
+        ui.proximalEndLengthSpinBox.enabled = bool(shape and shape.start)
+        ui.distalEndLengthSpinBox.enabled = bool(shape and shape.end)
+        self._showTable(shape.table if shape else ())
 
     def _showTable(self, table):
         ui, hasTable = self.ui, len(table) > 0
@@ -67,21 +50,12 @@ class ShapeSection:
             else _("none")
         )
 
-    def _set(self, parts):
-        if not self._updating and self._parameterNode is not None:
-            self._attempt(lambda: self._logic.changeShape(self._parameterNode, **parts))
-
-    def _onCaps(self, index):
-        if index < 2:
-            self._set({"cap_height": (1.0, FLAT)[index]})
+    def _set(self, rows):
+        if self._parameterNode is not None:
+            self._attempt(lambda: self._parameterNode.put(TABLE, rows))
 
     def _onLoad(self):
         kinds = _("Rows of fraction,diameter (*.csv)")
         path = desktop().openFile(self.ui.loadProfileButton, _("Profile"), kinds)
         if path:
-            none = {"waist": None, "start": None, "end": None}
-            self._attempt(
-                lambda: self._logic.changeShape(
-                    self._parameterNode, **none, table=read_profile(path)
-                )
-            )
+            self._attempt(lambda: self._set(read_profile(path)))

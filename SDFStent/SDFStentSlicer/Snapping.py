@@ -2,9 +2,6 @@
 
 from slicer.i18n import tr as _
 
-from SDFStentLib.stent import beside
-from SDFStentLib.treatment import axis_in_vessel
-
 from . import Conversion, Handles, Plans
 from .ParameterNode import stentsOf
 from .PlanFields import Placement
@@ -17,8 +14,8 @@ class Snapping:
     def __init__(self):
         self._sentences, self._aside = {}, {}
 
-    def snap(self, stent, centerline, surface):
-        """Move the points of a stent's handle onto the centerline; a curve stays as it was drawn.
+    def snap(self, stent, vessel):
+        """Move the points of a stent's handle onto the centerline of the library's `Vessel`; a curve stays as it was drawn.
 
         Raises `InputError` if the library refuses the place, for example outside of the lumen; then the handle stays
         where it is.
@@ -26,12 +23,9 @@ class Snapping:
         handle = stent.handle
         if stent.placement == Placement.ALONG_CURVE or handle.IsA("vtkMRMLMarkupsCurveNode"):
             return
-        planned = Plans.plannedStent(stent)
-        axis_in_vessel(planned, centerline, surface)
-        sentences = [
-            f"{stent.label}: {caution}" for caution in beside(planned.placement, centerline)
-        ]
-        if Handles.snapHandle(handle, stent.placement, centerline):
+        cautions = vessel.place_cautions(Plans.plannedStent(stent))
+        sentences = [f"{stent.label}: {caution}" for caution in cautions]
+        if Handles.snapHandle(handle, stent.placement, vessel.centerline):
             self._sentences[handle.GetID()] = (Conversion.changeStamp(handle), sentences)
 
     def leave(self, handle, index):

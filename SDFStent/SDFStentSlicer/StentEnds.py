@@ -6,7 +6,7 @@ import slicer
 from slicer.i18n import tr as _
 from slicer.util import VTKObservationMixin
 
-from . import Clock, Conversion, Showing, Sizes
+from . import Clock, Conversion, Showing
 from .Dragging import VIEW_ATTRIBUTE
 from .Handles import COLOR, POINTS
 from .Marks import createMark, createTube, removeMark, showTube
@@ -78,7 +78,7 @@ class StentEnds(VTKObservationMixin):
         return (
             parameterNode.parameterNode.GetID(),
             parameterNode.selected,
-            Sizes.sizesOf(stent),
+            stent.draft.text,
             Conversion.changeStamp(stent.handle),
             Conversion.inputStamp(parameterNode),
             self._logic.knowsCenterline(parameterNode),
@@ -116,8 +116,7 @@ class StentEnds(VTKObservationMixin):
             return
         if self._tube is None or self._tube.GetScene() is None:
             self._tube = createTube(_("Planned stent"))
-        stent, axis = lying
-        showTube(self._tube, axis, stent.widest_diameter / 2)
+        showTube(self._tube, lying.axis, lying.stent.widest_diameter / 2)
 
     def _create(self, ends):
         self._node = createMark(POINTS, _("Ends of the stent"), ends)

@@ -1,9 +1,10 @@
 """The plan's ordered list of stents in a parameter node; one of them is selected for editing."""
 
+from SDFStentLib.plan import NEW_STENT
 from SDFStentLib.validation import InputError
 
 from .ParameterNode import stentsOf
-from .PlanFields import USUAL, entryOf
+from .PlanFields import entryOf
 
 
 class StentList:
@@ -17,7 +18,7 @@ class StentList:
 
     def values(self):
         """All stents as dictionaries, in order."""
-        return [{**one.entry, "handle": one.handle} for one in stentsOf(self.parameterNode)]
+        return [{**one.draft.entry, "handle": one.handle} for one in stentsOf(self.parameterNode)]
 
     def __len__(self):
         return len(stentsOf(self.parameterNode))
@@ -75,6 +76,6 @@ class StentList:
 
     def replace(self, stents, selected):
         """Set the whole list (dictionaries) and the selected index in one modification."""
-        entries = [{**USUAL, **entryOf(values)} for values in stents]
+        entries = [{**NEW_STENT, **entryOf(values)} for values in stents]
         handles = [entry.pop("handle", None) for entry in entries]
         self.parameterNode.replaceStents(entries, handles, selected)

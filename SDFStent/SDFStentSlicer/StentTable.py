@@ -5,7 +5,6 @@ from slicer.i18n import tr as _
 from SDFStentLib.plan import entry_words
 from SDFStentLib.validation import one_line
 
-from . import Sizes
 from .Desktop import desktop
 
 
@@ -23,7 +22,7 @@ class StentTable:
     def show(self, stents, selected):
         """Fill the table; does nothing when it shows this already."""
         rows = [_texts(one) for one in stents]
-        details = [one_line(entry_words(one.entry)) for one in stents]
+        details = [one_line(entry_words(one.draft.entry)) for one in stents]
         if self._shown == (rows, details, selected):
             return
         self._updating = True
@@ -64,7 +63,7 @@ def _texts(stent):
     length = (
         _("as placed")
         if stent.placement.usesHandleLength and stent.wholeCurve
-        else f"{Sizes.lengthOf(stent):.1f} mm"
+        else f"{stent.draft.length:.1f} mm"
     )
     return (
         one_line(stent.label),

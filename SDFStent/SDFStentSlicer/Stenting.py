@@ -1,12 +1,10 @@
 """One pass over the plan's stents on arrays: every step recorded, then measured and certified. No nodes in here."""
 
-from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from slicer.i18n import tr as _
 
-from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
-from SDFStentLib.treatment import treated_lesions, with_known_minima
+from SDFStentLib.plan import TreatedCase
 from SDFStentLib.validation import DeploymentError, InputError
 
 from .Lesions import withSections
@@ -15,20 +13,33 @@ from .Portions import inPortions
 
 
 class DrawnStent(NamedTuple):
-    """A stent where it lies, at the largest radius that it has just now, mm."""
+    """The library's `PlacedStent`, at the largest radius that it has just now, mm."""
 
-    stent: Stent
-    axis: StentAxis
+    placed: Any
     radius: float
+
+    @classmethod
+    def whole(cls, placed):
+        """As wide as it becomes."""
+        return cls(placed, placed.stent.widest_diameter / 2)
+
+    @property
+    def stent(self):
+        """With all of its sizes."""
+        return self.placed.stent
+
+    @property
+    def axis(self):
+        """Where it lies."""
+        return self.placed.axis
 
 
 def lying(drawn):
     """The stents by their numbers, from the first one on, that no later one has dilated again: it is as wide by now."""
     outgrown = {
-        one.stent.placement.number
+        one.placed.earlier
         for one in drawn.values()
-        if isinstance(one.stent.placement, OfStent)
-        and one.radius >= drawn[one.stent.placement.number].radius
+        if one.placed.earlier is not None and one.radius >= drawn[one.placed.earlier].radius
     }
     return [one for number, one in drawn.items() if number not in outgrown]
 
@@ -36,21 +47,22 @@ def lying(drawn):
 class Stenting:
     """The library's treatment with all its states kept, so that a slider can go back and forth over them.
 
-    `result` is the library's `TreatmentResult` once `measure` was run to its end; `points` and `centerline` are current after
+    `result` is the library's `TreatmentResult` once `measure` was run to its end, `case` its `TreatedCase`; `points` and `centerline` are current after
     `steps`.
     """
 
-    def __init__(self, treatment, *, places=(), search=None, remark=""):
-        """Hold the stents of a `Treatment`.
+    def __init__(self, case, *, places=(), search=None, remark=""):
+        """Hold the stents of the library's `Case`.
 
         `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel, `remark`
         what to know of its surface.
         """
-        self._treatment, self.surface = treatment, treatment.surface
-        self.points, self.centerline = treatment.surface.points, treatment.centerline
+        self._vessel, self._treatment = case.vessel, case.treatment()
+        self.surface, self.centerline = case.vessel.surface, case.vessel.centerline
+        self.points = self.surface.points
         self.recorded, self._axes = [], {}
-        self.places, self.result = list(places), None
-        self.search, self.lesions, self.remark = search, None, remark
+        self.places, self.result, self.case = list(places), None, None
+        self.search, self.remark = search, remark
         self.flow, self.flowRemark = None, ""
         self.shownMap = self.shownStent = self.shownFlow = None
 
@@ -68,18 +80,10 @@ class Stenting:
                 break
             if state.number not in self._axes:
                 self._follow()
-                self._axes[state.number] = self._drawn(state)
+                self._axes[state.number] = DrawnStent.whole(state.placed)
             self.recorded.append(state)
             yield state
         self._follow()
-
-    def _drawn(self, state):
-        """The stent of a state with all of its sizes, as wide as it becomes."""
-        stent = self._treatment.stents[state.number - 1]
-        if isinstance(stent.placement, OfStent):
-            earlier = self._axes[stent.placement.number]
-            stent = redilated(stent, earlier.stent, earlier.axis)
-        return DrawnStent(stent, state.axis, stent.widest_diameter / 2)
 
     @property
     def measured(self):
@@ -104,17 +108,23 @@ class Stenting:
     def measure(self):
         """Diameters, certificate and lesions of the finished treatment; yields None until it is done."""
         yield from self.survey()
-        self.result = result = yield from inPortions(lambda: self._treatment.result)
+        result = yield from inPortions(lambda: self._treatment.result)
+        found = None
         if self.search is not None:
             yield from self.search.portions()
             found = self.search.found
-            self.lesions = yield from inPortions(
-                lambda: treated_lesions(found, result.stents, result.surface, self.surface)
-            )
-            self.result = replace(result, stents=with_known_minima(result.stents, self.lesions))
-            yield from inPortions(
-                lambda: withSections([one.after for one in self.lesions if one.stents])
-            )
+        case = TreatedCase(self._vessel, result, found)
+        lesions = yield from inPortions(lambda: case.lesions)
+        yield from inPortions(
+            lambda: withSections([one.after for one in lesions or () if one.stents])
+        )
+        self.result = yield from inPortions(lambda: case.told)
+        self.case = case
+
+    @property
+    def lesions(self):
+        """Those of the vessel before and after, the library's `TreatedLesion`; None before they are known, and without a centerline."""
+        return None if self.case is None else self.case.lesions
 
     def findFlow(self, known):
         """Pressures and flows for what is known; yields None until they are found. Once `measure` was run to its end.

@@ -1,21 +1,17 @@
 """Stents by the library's rule of sizing, and how sizes compare with the lesion of a stent."""
 
-from dataclasses import replace
-
 import slicer
 
+from SDFStentLib.plan import Draft, Row, wishes_of
 from SDFStentLib.report import proposal_sentence
-from SDFStentLib.treatment import SizingWishes, Vessel, stent_ratios, suggested
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import lesions_within
 
-from . import Conversion, Handles, Plans, Sizes
+from . import Conversion, Handles
 from .ParameterNode import stentOf
-from .PlanFields import Placement
 from .Portions import inPortions, untilDone
 from .StentList import StentList
 
-KEPT = ("keeps", "shape", "may_be_shortened")
+KEPT = ("name", "keeps", "shape", "may_be_shortened", "redilation")
 """What a stent that is sized anew has further on."""
 
 
@@ -37,25 +33,16 @@ class Suggesting:
         isThere = self.lesionOf(parameterNode) is lesion and Handles.isOwn(
             parameterNode.stent.handle
         )
-        wishes = _wishesOf(parameterNode, parameterNode.stent if isThere else None)
+        draft = parameterNode.stent.draft if isThere else Draft({})
+        wishes = wishes_of(draft, parameterNode.suggestRatio, parameterNode.suggestMargin)
         number = self._numberOf(parameterNode, lesion)
-        centerline = yield from self._inputs.centerlineInPortions(parameterNode)
-        found = self._inputs.lesions(parameterNode).found
-        surface = (yield from self._inputs.vesselInPortions(parameterNode)).surface
-        suggestion = yield from inPortions(
-            lambda: Vessel(surface, centerline).compared(
-                suggested(lesion, number, centerline, wishes), found
-            )
-        )
-        values = Plans.valuesOf(suggestion.stent)
-        del values["name"]
-        values["placement"] = Placement.of(values["placement"])
+        search = self._inputs.lesions(parameterNode)
+        suggestion = yield from inPortions(lambda: search.vessel.suggestion(number, wishes))
+        row = Row(suggestion.stent)
         if isThere:
-            self._resize(parameterNode, values)
+            self._resize(parameterNode, row)
         else:
-            self.addStent(parameterNode, **values)
-        handle = parameterNode.stent.handle
-        handle.SetNthControlPointPositionWorld(0, *suggestion.stent.placement.point)
+            self.addRow(parameterNode, row)
         cautions = [caution.sentence() for caution in suggestion.cautions()]
         parameterNode.status = "\n".join([proposal_sentence(suggestion), *cautions])
         self._proposal = parameterNode.status, _proposed(parameterNode)
@@ -75,13 +62,14 @@ class Suggesting:
             "lesion: expected one that was found in this vessel, got another; look for them again."
         )
 
-    def _resize(self, parameterNode, values):
-        """Give the selected stent other values, and its handle the points that its placement needs then."""
-        values = {key: values[key] for key in values if key not in KEPT}
+    def _resize(self, parameterNode, row):
+        """Give the selected stent other values, and its handle the point of its placement then."""
+        values = {key: value for key, value in row.entry.items() if key not in KEPT}
         with slicer.util.NodeModify(parameterNode):
             StentList(parameterNode).change(placement=values["placement"])
             self.fitHandle(parameterNode)
             StentList(parameterNode).change(**values)
+        parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *row.points[0])
 
     def lesionOf(self, parameterNode):
         """The tightest lesion that the selected stent covers; None without one, or before they were looked for."""
@@ -94,26 +82,10 @@ class Suggesting:
         if search is None or not search.found:
             return None
         lying = self.lying(parameterNode, self._inputs.centerline(parameterNode))
-        if lying is None:
-            return None
-        planned, axis = lying
-        for lesion in lesions_within(search.found, axis.points):
-            return lesion, stent_ratios(planned, lesion)
-        return None
+        return lying and search.vessel.ratios(lying)
 
 
 def _proposed(parameterNode):
     """The stent of which something is said: its place, diameter and length."""
     stent = stentOf(parameterNode)
     return Conversion.changeStamp(stent.handle), stent.diameter, stent.length, stent.placement
-
-
-def _wishesOf(parameterNode, stent):
-    """What the parameters say of a suggestion, with the device of a stent, where there is one."""
-    wishes = SizingWishes(parameterNode.suggestRatio, parameterNode.suggestMargin)
-    if stent is None:
-        return wishes
-    device = Sizes.deviceOf(stent)
-    isOwn = device is not None and not stent.deviceShortening
-    own = stent.entry["foreshortening_fraction"] if isOwn else None
-    return replace(wishes, device=device, foreshortening_fraction=own)

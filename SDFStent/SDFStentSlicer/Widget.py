@@ -23,8 +23,7 @@ from .PanelState import PanelState
 from .ParameterNode import stentsOf
 from .PlaceSection import PlaceSection
 from .PlanTable import PlanTable
-from .Portions import SteppedRun
-from .RecoilRule import RecoilRule
+from .Portions import RestedRun, SteppedRun
 from .RoomyViews import RoomyViews
 from .SceneEvents import InputWatch, SceneEvents
 from .ShapeSection import ShapeSection
@@ -33,6 +32,9 @@ from .StentEnds import StentEnds
 from .StentList import StentList
 from .StentTable import StentTable
 from .TypedNumbers import TypedNumbers
+
+RECOIL_MS = 250
+"""A stent has to rest so long for its recoil by the rule."""
 
 
 class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -84,7 +86,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         )
         self._size, self._typed = PanelSize(uiWidget), TypedNumbers(uiWidget, self._attempt)
         self._state = PanelState(self.ui, self.logic, self.session, self._size)
-        self.binder = Binder(self.ui)
+        self.binder = Binder(self.ui, self._attempt)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(
             self.ui,
@@ -108,7 +110,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         ]
         self.views, self.ends = RoomyViews(self.ui), StentEnds(self.logic)
         self.window = LowWindow()
-        self.recoil = RecoilRule(self.logic, self._onPrepared)
+        self.recoil = RestedRun(
+            lambda: self.logic.recoilByRule(self._parameterNode), self._onPrepared, RECOIL_MS
+        )
         self.sections[0].isAwaited = lambda: self.recoil.isBusy
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._carrying = Clock.timer(self._carry, 0)
@@ -180,7 +184,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.stents = None
         self.binder.show(None)
         self.lesions.follow(parameterNode)
-        self.recoil.follow(parameterNode)
+        self.recoil.follow(*self.logic.recoilStanding(parameterNode))
         self.plans.show(None)
         if parameterNode is None:
             self._state.atHand.show("")
@@ -214,7 +218,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))
         self._carrying.start()
         self.lesions.follow(self._parameterNode)
-        self.recoil.follow(self._parameterNode)
+        self.recoil.follow(*self.logic.recoilStanding(self._parameterNode))
         self.table.show(stentsOf(self._parameterNode), self._parameterNode.selected)
         self._state.show(self._parameterNode)
         self._showSections()
@@ -229,7 +233,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     def onInputModified(self):
         self._carrying.start()  # who hardens a transform changes the content first
         self.lesions.follow(self._parameterNode)
-        self.recoil.follow(self._parameterNode)
+        self.recoil.follow(*self.logic.recoilStanding(self._parameterNode))
         self._showSections()
         self._state.enable(self._parameterNode)
         self._requestUpdate()

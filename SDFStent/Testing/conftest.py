@@ -34,21 +34,26 @@ def knownResults(theModule):
     Results are found by the surfaces before and after, stents, centerline and settings. The library's own `Treatment`,
     with which results of the panel are compared, keeps none.
     """
-    from SDFStentSlicer import Deploying, Stenting
+    from SDFStentSlicer import Plans, Stenting
 
-    known, treated = {}, Stenting.treated_lesions
+    from SDFStentLib.treatment import Treatment
 
-    def treatedOnce(found, stents, after, before):
-        walls = (sha1(surface.points.tobytes()).digest() for surface in (after, before))
-        lie = ((stent.number, stent.axis.points.tobytes()) for stent in stents)
-        key = (*lie, *map(id, found), *walls)
-        if (
-            key not in known
-        ):  # with the objects whose ids are in the key, so that the ids stay theirs
-            known[key] = treated(found, stents, after, before), found
-        return known[key][0]
+    known = {}
 
-    class KnownTreatment(Deploying.Treatment):
+    class KnownResult(Stenting.TreatedCase):
+        @cached_property
+        def lesions(self):
+            found, after, before = self.found, self.treatment.surface, self.vessel.surface
+            walls = (sha1(surface.points.tobytes()).digest() for surface in (after, before))
+            lie = ((one.number, one.axis.points.tobytes()) for one in self.treatment.stents)
+            key = (*lie, *map(id, found or ()), *walls)
+            if (
+                key not in known
+            ):  # with the objects whose ids are in the key, so that the ids stay theirs
+                known[key] = super().lesions, found
+            return known[key][0]
+
+    class KnownTreatment(Treatment):
         def _key(self, *more):
             line = self.centerline
             tree = () if line is None else (line.points, line.inscribed_radius, line.parent)
@@ -84,7 +89,13 @@ def knownResults(theModule):
                 companions=companions,
             )
 
-    Deploying.Treatment, Stenting.treated_lesions = KnownTreatment, treatedOnce
+    class KnownCase(Plans.Case):
+        def treatment(self):
+            made = super().treatment()
+            made.__class__ = KnownTreatment
+            return made
+
+    Plans.Case, Stenting.TreatedCase = KnownCase, KnownResult
     return known
 
 

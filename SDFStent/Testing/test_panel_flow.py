@@ -38,7 +38,7 @@ def test_a_flow_tells_what_the_library_tells_of_the_same_vessels(host, aStent):
     run = aStent.logic.lastRun(aStent._parameterNode)
     known = Known(50.0, peak=120.0, inlet=30.0, wedge=12.0, split_right=0.7)
     # Once more, by hand.
-    vessel, result = run.search._vessel, run.result
+    vessel, result = run.search.vessel, run.result
     channels = channels_of(vessel.surface, vessel.centerline)
     followed = FollowedChannels(vessel.surface, vessel.centerline, channels)
     answer = FlowModel(channels, known, SideClues("RAS")).answer(
@@ -128,7 +128,10 @@ def test_a_wave_of_a_plan_is_told_and_kept_until_its_peak_is_changed(
 ):
     from SDFStentLib.plan import load_plan
 
-    for where in ("SDFStentSlicer.Flow", "SDFStentLib.plan.run"):  # a solver takes its time
+    for where in (
+        "SDFStentLib.plan.known_entry",
+        "SDFStentLib.plan.run",
+    ):  # a solver takes its time
         monkeypatch.setattr(f"{where}.has_svzerod", lambda: False)
 
     ui, parameters = aStent.ui, aStent._parameterNode
@@ -174,7 +177,7 @@ def test_the_solver_of_waves_is_offered_where_it_is_missing_and_never_required(
 
     ui, parameters, installed = aStent.ui, aStent._parameterNode, []
     monkeypatch.setattr(slicer.util, "pip_install", installed.append, raising=False)
-    for where in ("SDFStentSlicer.Flow", "SDFStentLib.plan.run"):
+    for where in ("SDFStentLib.plan.known_entry", "SDFStentLib.plan.run"):
         monkeypatch.setattr(f"{where}.has_svzerod", lambda: bool(installed))
     assert not ui.installSolverButton.visible
     aStent.logic.loadPlan(aPlanWithAWave, parameters)
@@ -221,37 +224,39 @@ def test_a_flow_beyond_the_panels_is_refused_with_its_plan(aLogic, theParameters
     assert theParameters.flowMean == 0.0
 
 
+def knownOf(parameters):
+    from SDFStentLib.plan import known_of
+
+    return known_of(parameters.get("flow"))
+
+
 def test_of_a_flow_that_is_forgotten_nothing_is_taken_for_the_next_one(host, aStent):
     """As in the page, where another patient is opened."""
-    from SDFStentSlicer import Flow
-
     ui, parameters = aStent.ui, aStent._parameterNode
     aFlow(ui)
     ui.unusualFlowCheckBox.checked = True
     host.process()
-    assert Flow.knownOf(parameters).wedge == 12.0
-    Flow.setKnown(parameters, None)
+    assert knownOf(parameters).wedge == 12.0
+    parameters.change({"flow": None})
     host.process()
     ui.flowMeanSpinBox.value = 4.0
     host.process()
-    known = Flow.knownOf(parameters)
+    known = knownOf(parameters)
     assert (known.peak, known.inlet, known.wedge, known.split_right) == (None,) * 4
     assert not known.unusual
     ui.inletPressureSpinBox.value = 30
     host.process()
-    assert Flow.knownOf(parameters).wedge == 0.0
+    assert knownOf(parameters).wedge == 0.0
 
 
 def test_a_mean_flow_of_none_keeps_what_else_is_known(host, aStent):
-    from SDFStentSlicer import Flow
-
     ui, parameters = aStent.ui, aStent._parameterNode
     aFlow(ui)
     host.process()
-    before = Flow.knownOf(parameters)
+    before = knownOf(parameters)
     ui.flowMeanSpinBox.value = 0.0
     host.process()
-    assert Flow.knownOf(parameters) is None
+    assert knownOf(parameters) is None
     ui.flowMeanSpinBox.value = 3.0
     host.process()
-    assert Flow.knownOf(parameters) == before
+    assert knownOf(parameters) == before

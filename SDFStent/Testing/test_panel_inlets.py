@@ -51,9 +51,9 @@ def bothInlets(host, panel, lower=1.8, upper=1.2):
 
 
 def known(panel):
-    from SDFStentSlicer import Flow
+    from SDFStentLib.plan import known_of
 
-    return Flow.knownOf(panel._parameterNode)
+    return known_of(panel._parameterNode.get("flow"))
 
 
 def inlets(panel):

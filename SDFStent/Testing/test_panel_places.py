@@ -64,7 +64,7 @@ def test_the_handle_follows_a_place_and_frees_it_when_the_mouse_takes_it(
         return np.array(parameters.stent.handle.GetNthControlPointPositionWorld(0))
 
     def lying():
-        return logic.lying(parameters, logic.centerlineOf(parameters))[0].placement.point
+        return logic.lying(parameters, logic.centerlineOf(parameters)).stent.placement.point
 
     np.testing.assert_allclose(handle(), lying(), atol=1e-9)
     assert ui.landmarkComboBox.visible
@@ -96,7 +96,7 @@ def test_a_place_is_chosen_where_the_handle_was(host, aStent):
     tree = aStent.logic.centerlineOf(parameters)
     expected = tree.point_at(place.branch - 1, place.distance)
     at = parameters.stent.handle.GetNthControlPointPositionWorld(0)
-    lying = aStent.logic.lying(parameters, tree)[0]
+    lying = aStent.logic.lying(parameters, tree).stent
     np.testing.assert_allclose(at, lying.placement.point, atol=1e-9)
     if isinstance(lying.placement, AtCenter):
         np.testing.assert_allclose(at, expected, atol=1e-6)

@@ -225,7 +225,7 @@ def test_escape_ends_place_wherever_the_focus_is(host, aStent, theView):  # noqa
 def axisOf(panel, row):
     """Where a stent of the list will lie."""
     panel.ui.stentTable.selectRow(row)
-    return panel.logic.stentLying(panel._parameterNode)[1]
+    return panel.logic.stentLying(panel._parameterNode).axis
 
 
 @pytest.mark.parametrize("kind", [0, 1, 2, 3])

@@ -55,7 +55,7 @@ def test_a_duplicate_is_a_whole_plan_of_its_own(host, aPlan):
         assert getattr(second, name) == getattr(first, name), name
     assert second.method.tissueGap == 0.7
     for one, other in zip(first.stents, second.stents, strict=True):
-        assert one.entry == other.entry
+        assert one.draft.entry == other.draft.entry
         assert one.handle is not other.handle
         places = [node.GetNthControlPointPositionWorld(0) for node in (one.handle, other.handle)]
         np.testing.assert_array_equal(*places)

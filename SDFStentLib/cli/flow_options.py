@@ -14,7 +14,6 @@ from ..flow import (
     Wave,
     flow_value,
     known_flow,
-    networks_of,
     read_wave,
     time_value,
 )
@@ -202,7 +201,7 @@ def add_networks(outputs: Outputs, folder: str | None, answer: Callable[[], Flow
 
     def write(made: Path) -> None:
         made.mkdir()
-        for name, document in zip(NETWORKS, networks_of(answer()), strict=False):
+        for name, document in zip(NETWORKS, answer().documents(), strict=False):
             (made / name).write_text(document_json(document), encoding="utf-8")
 
     if folder:

@@ -38,7 +38,6 @@ from .spans import Piece as Piece
 from .spans import Ways as Ways
 from .spans import drop_over as drop_over
 from .svzerod import has_svzerod as has_svzerod
-from .svzerod import networks_of as networks_of
 from .svzerod import solved_by_svzerod as solved_by_svzerod
 from .svzerod import svzerod_document as svzerod_document
 from .tree import Tree as Tree

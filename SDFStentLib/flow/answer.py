@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,6 +37,7 @@ from .seen import (
 )
 from .sharp_bends import sharp_bends
 from .spans import Part, Ways
+from .svzerod import NO_LEVEL, svzerod_document
 from .tree import tree_between
 
 HALVINGS = 6
@@ -73,6 +74,11 @@ class FlowAnswer(NamedTuple):
     """Those that part and meet again."""
     is_quasi_steady: bool
     """Whether a wave was taken as a row of steady flows."""
+
+    def documents(self) -> list[dict[str, Any]]:
+        """Its networks as SimVascular's 0D solver reads them, before and after."""
+        notice = "" if self.known.has_pressures else NO_LEVEL
+        return [svzerod_document(one, self.outlets, self.known, notice) for one in self.networks]
 
     @property
     def right_place(self) -> Place | None:

@@ -16,7 +16,6 @@ import numpy as np
 
 from ..interpreter import interpreter
 from ..validation import DeploymentError, Floats
-from .answer import FlowAnswer
 from .known import Known
 from .network import Network, Outlets
 from .tree import Tree
@@ -91,12 +90,6 @@ def svzerod_document(
         "junctions": list(_junctions(tree)),
         "vessels": list(_vessels(network)),
     }
-
-
-def networks_of(answer: FlowAnswer) -> list[dict[str, Any]]:
-    """`svzerod_document` of the networks of an answer, before and after."""
-    notice = "" if answer.known.has_pressures else NO_LEVEL
-    return [svzerod_document(one, answer.outlets, answer.known, notice) for one in answer.networks]
 
 
 def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple[Floats, Floats]:

@@ -13,11 +13,13 @@ from ..stent import (
     AlongAxis,
     AtCenter,
     AtDistalEnd,
+    AtLesion,
     AtProximalEnd,
     BetweenPoints,
     InputFile,
     OfStent,
     OfVessel,
+    OnBranch,
     Placement,
     Stent,
 )
@@ -39,6 +41,16 @@ POINT_PLACEMENTS: dict[str, type[AtCenter] | type[AtDistalEnd] | type[AtProximal
     "proximal": AtProximalEnd,
 }
 """Placements by one point, as the document and the command line call them."""
+
+PLACEMENTS: dict[str, type] = {
+    **POINT_PLACEMENTS,
+    "from": BetweenPoints,
+    "axis": AlongAxis,
+    "stent": OfStent,
+    "lesion": AtLesion,
+    "branch": OnBranch,
+}
+"""All of them, by the first key that they have in a document."""
 
 
 def save_plan(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,11 +21,11 @@ from ..files import (
 )
 from ..lumen import LineEnds, loop_cautions, with_ends_in_middle
 from ..stent import AlongAxis, InputFile
-from ..treatment import Vessel, VesselName
-from ..units import Frame, are_apart, flipped
-from ..validation import InputError, Points
+from ..treatment import Vessel
+from ..units import Frame
+from ..validation import InputError
 from ..version import VERSION
-from .plan import Plan
+from .plan import Marks, Plan
 
 
 @dataclass(frozen=True)
@@ -50,27 +49,6 @@ class InputFiles:
     vessel: Vessel
     warnings: tuple[Caution, ...]
     seconds: float
-
-
-class Marks(NamedTuple):
-    """Places (3,), mm, that the user marked on a vessel."""
-
-    root: Points | None = None
-    """The centerline's end nearest to it is its root."""
-    reference: tuple[Points, ...] = ()
-    """Healthy vessel, against which lesions are measured."""
-    names: tuple[VesselName, ...] = ()
-    """By which vessels are called, each at a place."""
-    frame: Frame | None = None
-    """Of all of them; None: the surface's."""
-
-    def in_frame(self, frame: Frame | None) -> Marks:
-        """The same places as a file of that frame has them."""
-        if not are_apart(frame, self.frame):
-            return self
-        root = None if self.root is None else flipped(self.root)
-        reference = tuple(flipped(place) for place in self.reference)
-        return Marks(root, reference, tuple(one.turned() for one in self.names), frame)
 
 
 def read_input_files(
@@ -141,12 +119,7 @@ def plan_files(plan: Plan) -> InputFiles:
         plan.surface.path,
         None if center is None else center.path,
         plan.units,
-        Marks(
-            None if plan.root is None else np.array(plan.root),
-            tuple(np.array(place) for place in plan.reference),
-            plan.names,
-            plan.frame,
-        ),
+        plan.marks,
     )
 
 

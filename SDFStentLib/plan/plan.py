@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,9 +16,10 @@ from ..flow import Known
 from ..parameter import Parameter
 from ..stent import ByValue, InputFile, Stent
 from ..treatment import VesselName
-from ..units import Frame, flipped, millimeters_per
-from ..validation import InputError, Place, check_is_a
+from ..units import Frame, are_apart, flipped, millimeters_per
+from ..validation import InputError, Place, Points, as_place, check_is_a
 from ..version import VERSION
+from .typed import parameter_in
 
 STRAIGHTENING = Parameter(
     "share of its bends that the axis of every stent loses, its length kept: 0 as it is, 1 "
@@ -27,6 +28,27 @@ STRAIGHTENING = Parameter(
     most=1.0,
     option="straighten",
 )
+
+
+class Marks(NamedTuple):
+    """Places (3,), mm, that the user marked on a vessel."""
+
+    root: Points | None = None
+    """The centerline's end nearest to it is its root."""
+    reference: tuple[Points, ...] = ()
+    """Healthy vessel, against which lesions are measured."""
+    names: tuple[VesselName, ...] = ()
+    """By which vessels are called, each at a place."""
+    frame: Frame | None = None
+    """Of all of them; None: the surface's."""
+
+    def in_frame(self, frame: Frame | None) -> Marks:
+        """The same places as a file of that frame has them."""
+        if not are_apart(frame, self.frame):
+            return self
+        root = None if self.root is None else flipped(self.root)
+        reference = tuple(flipped(place) for place in self.reference)
+        return Marks(root, reference, tuple(one.turned() for one in self.names), frame)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +111,45 @@ class Plan(ByValue):
                     "pass one."
                 )
 
+    def in_frame(self, frame: Frame | None) -> Plan:
+        """The same with all points in another patient frame; in this one where it has none yet."""
+        if not are_apart(self.frame, frame):
+            return replace(self, frame=frame)
+        known = self.flow
+        if known is not None and known.right is not None:
+            known = replace(known, right=_turned(known.right))
+        return replace(
+            self,
+            stents=tuple(turned(stent) for stent in self.stents),
+            frame=frame,
+            root=None if self.root is None else _turned(self.root),
+            reference=tuple(_turned(place) for place in self.reference),
+            names=tuple(one.turned() for one in self.names),
+            flow=known,
+        )
+
+    @property
+    def marks(self) -> Marks:
+        """What the user marked on the vessel."""
+        root = None if self.root is None else np.array(self.root)
+        reference = tuple(np.array(place) for place in self.reference)
+        return Marks(root, reference, self.names, self.frame)
+
+    def marked(self, marks: Marks) -> Plan:
+        """The same with these marks, in its own frame."""
+        here = marks.in_frame(self.frame)
+        root = None if here.root is None else as_place(here.root)
+        reference = tuple(as_place(place) for place in here.reference)
+        return replace(self, root=root, reference=reference, names=here.names)
+
+    def of_files(self, surface: str | None, centerline: str | None) -> Plan:
+        """The same for files by their paths, in place of what it names, where these are given."""
+        return replace(
+            self,
+            surface=InputFile(surface) if surface else self.surface,
+            centerline=InputFile(centerline) if centerline else self.centerline,
+        )
+
     @property
     def method(self) -> dict[str, Any]:
         """The values of `method_parameters`, by name."""
@@ -101,6 +162,14 @@ def method_parameters() -> dict[str, Parameter]:
     return {**DeploymentSettings.parameters(), "straightening_fraction": STRAIGHTENING}
 
 
+def parameter_at(path: str) -> Parameter:
+    """The parameter at a path of a plan's document, such as "stents.length" or "flow.bsa"."""
+    part, _, inside = path.partition(".")
+    if part == "settings":
+        return method_parameters()[inside]
+    return parameter_in({"stents": Stent, "flow": Known}[part], inside)
+
+
 def plan_of_method(values: Mapping[str, Any]) -> Plan:
     """A plan without stents and files, with some values of `method_parameters`.
 
@@ -110,6 +179,10 @@ def plan_of_method(values: Mapping[str, Any]) -> Plan:
     straightening = given.pop("straightening_fraction", 0.0)
     settings = DeploymentSettings().with_changes(**given)
     return Plan(settings=settings, straightening_fraction=straightening)
+
+
+def _turned(place: Place) -> Place:
+    return as_place(flipped(np.array(place)))
 
 
 def turned(stent: Stent) -> Stent:

@@ -28,24 +28,20 @@ from ..flow import (
 )
 from ..stent import AlongAxis, OfStent, Stent
 from ..treatment import (
-    Residual,
     TreatedLesion,
     Treatment,
     TreatmentResult,
     TreatmentState,
     Vessel,
     label_of,
-    labeled,
-    residual_of,
-    size_cautions,
     treated_lesions,
-    with_known_minima,
 )
 from ..units import Frame, are_apart, flipped
 from ..validation import InputError, as_place, check_is_a
-from ..vessel import SMALL_VESSEL
+from ..vessel import SMALL_VESSEL, Lesion
+from .case import Case, CaseResult
 from .inputs import InputFiles, in_same_space, input_file, read_plan_inputs
-from .plan import Plan, turned
+from .plan import Plan
 
 
 def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> FlowModel:
@@ -110,37 +106,28 @@ def _whole_way(vessel: Vessel) -> Part:
 
 
 @dataclass(frozen=True)
-class PlanResult:
+class PlanResult(CaseResult):
     """A plan that was carried out: the plan, what was read, and what came of it."""
 
     plan: Plan
     inputs: InputFiles
     treatment: TreatmentResult
 
+    @property
+    def vessel(self) -> Vessel:  # type: ignore[override]
+        """That was read."""
+        return self.inputs.vessel
+
+    @property
+    def found(self) -> tuple[Lesion, ...] | None:  # type: ignore[override]
+        """The lesions of the vessel before treatment; None without a centerline."""
+        return self.vessel.lesions
+
     @cached_property
     def warnings(self) -> tuple[Caution, ...]:
         """The warnings of reading, of the axes in the vessel and of the treatment."""
-        axes = _axes_in_space(_stents(self.plan, self.inputs), self.inputs.surface)
+        axes = _axes_in_space(case_of(self.plan, self.inputs).stents, self.inputs.surface)
         return (*self.inputs.warnings, *axes, *self.treatment.warnings)
-
-    @cached_property
-    def lesions(self) -> tuple[TreatedLesion, ...] | None:
-        """Those of the vessel before and after; None without a centerline."""
-        vessel, result = self.inputs.vessel, self.treatment
-        if vessel.lesions is None:
-            return None
-        return treated_lesions(vessel.lesions, result.stents, result.surface, vessel.surface)
-
-    @cached_property
-    def told(self) -> TreatmentResult:
-        """The treatment, its narrowest places before it as the lesions there have them."""
-        stents = with_known_minima(self.treatment.stents, self.lesions)
-        return replace(self.treatment, stents=stents)
-
-    @cached_property
-    def residual(self) -> Residual | None:
-        """What is narrowest in the treated vessels; None where no stent covers a lesion."""
-        return residual_of(self.lesions or (), self.treatment.stents)
 
     @cached_property
     def flow(self) -> FlowAnswer | None:
@@ -165,8 +152,7 @@ class PlanResult:
         And why lesions may not be what they seem.
         """
         label = partial(label_of, self.plan.stents)
-        sizes = size_cautions(self.treatment.stents, self.lesions, label)
-        return (*self.inputs.vessel.lesion_cautions, *sizes)
+        return (*self.vessel.lesion_cautions, *self.size_cautions(label))
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False
@@ -230,34 +216,26 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     InputError
         A stent that cannot be placed, or an axis outside of the surface.
     """
-    surface = inputs.surface
-    stents = _stents(plan, inputs)
+    case = case_of(plan, inputs)
+    stents = case.stents
     if inputs.vessel.reference:
         # A reference that cannot be one fails here rather than in the end.
         _ = inputs.vessel.lesions
-    flow_of_plan(plan, inputs.vessel, surface.frame)  # likewise
-    _axes_in_space(stents, surface)  # likewise
-    return Treatment(
-        surface.surface,
-        stents,
-        inputs.vessel.centerline,
-        plan.settings,
-        straightening_fraction=plan.straightening_fraction,
-        companions=np.empty((0, 3)) if inputs.line_file is None else inputs.line_file.points,
-        precision=surface.precision,
-        faces=surface.faces,
-        given_names=inputs.vessel.given_names,
+    flow_of_plan(plan, inputs.vessel, inputs.surface.frame)  # likewise
+    _axes_in_space(stents, inputs.surface)  # likewise
+    return case.treatment()
+
+
+def case_of(plan: Plan, inputs: InputFiles) -> Case:
+    """A plan in the vessel that was read for it."""
+    surface, lines = inputs.surface, inputs.line_file
+    return Case(
+        inputs.vessel,
+        plan,
+        surface.frame,
+        surface.precision,
+        np.empty((0, 3)) if lines is None else lines.points,
     )
-
-
-def _stents(plan: Plan, inputs: InputFiles) -> tuple[Stent, ...]:
-    """Those of a plan in the frame of the surface, where they lie in the vessel."""
-    is_turned, found = are_apart(plan.frame, inputs.surface.frame), []
-    for number, stent in enumerate(plan.stents, start=1):
-        with labeled(label_of(plan.stents, number)):
-            own = turned(stent) if is_turned else stent
-            found.append(inputs.vessel.placed(own) if own.enabled else own)
-    return tuple(found)
 
 
 def _axes_in_space(stents: Sequence[Stent], surface: SurfaceFile) -> tuple[Caution, ...]:

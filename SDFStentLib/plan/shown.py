@@ -20,7 +20,6 @@ from ..files import (
     write_surface,
 )
 from ..geometry import Surface
-from ..stent import laid_along, stent_lattice
 from ..treatment import TreatmentResult, TreatmentState
 from ..units import MILLIMETERS, Frame
 from ..validation import check_is_a
@@ -75,7 +74,7 @@ def device_vtp(
     """
     stents = result.final_stents
     if mesh is None:
-        found = [stent_lattice(one.stent, one.axis) for one in stents]
+        found = [one.lattice() for one in stents]
         points = np.concatenate([one.points for one in found])
         starts = np.cumsum([0, *(len(one.points) for one in found)])
         lines = [
@@ -89,7 +88,7 @@ def device_vtp(
             "IsLink": np.concatenate([one.is_link for one in found]),
         }
     else:
-        points = np.concatenate([laid_along(mesh.points, s.stent, s.axis) for s in stents])
+        points = np.concatenate([one.laid(mesh.points) for one in stents])
         starts = len(mesh.points) * np.arange(len(stents))
         triangles = (mesh.triangles + starts[:, None, None]).reshape(-1, 3)
         polydata = polydata_from_arrays(points / unit, triangles)

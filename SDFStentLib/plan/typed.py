@@ -74,6 +74,14 @@ def without_unset(kind: type, value: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
+def parameter_in(kind: Any, path: str) -> Parameter:
+    """The parameter at a path in the document of a dataclass, such as "balloon.diameter"."""
+    name, _, inside = path.partition(".")
+    if inside:
+        return parameter_in(_object_in(_hints(kind)[name]), inside)
+    return parameters_of(kind)[name]
+
+
 def _object_in(hint: Any) -> Any:
     """The dataclass that a field may have, or None."""
     return next((one for one in (hint, *get_args(hint)) if is_dataclass(one)), None)

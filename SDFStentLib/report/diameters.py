@@ -10,7 +10,7 @@ import numpy as np
 
 from ..geometry import Line
 from ..lumen import DiameterProfile
-from ..treatment import TreatedStent, prescribed_diameters
+from ..treatment import TreatedStent
 from ..units import MILLIMETERS
 from ..validation import Floats, Points, coordinates
 from .facts import COMPARED, GLANCE, LINES, Fact, Facts, width
@@ -93,7 +93,7 @@ def lumen_facts(treated: TreatedStent) -> Iterator[Fact]:
     """How wide the vessel was and is along a stent, over its length and beyond its ends."""
     before, after, own = treated.before, treated.after, treated.before.arc_length
     narrow, over = "diameters.minimum_lumen", "diameters.over_stented_length"
-    wanted = prescribed_diameters(treated.stent, treated.axis, own)
+    wanted = treated.prescribed(own)
     along = _along(treated, wanted)
     yield Fact("diameters.along", after=along)
     yield Fact("diameters.stent_ends_mm", after=own[[0, -1]])

@@ -8,6 +8,7 @@ from .balloon import balloon_by_rule as balloon_by_rule
 from .balloon import balloon_leaving as balloon_leaving
 from .balloon import balloon_of as balloon_of
 from .device import Device as Device
+from .lattice import Lattice as Lattice
 from .lattice import LatticeDesign as LatticeDesign
 from .lattice import design_of as design_of
 from .lattice import laid_along as laid_along

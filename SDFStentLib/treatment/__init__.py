@@ -13,13 +13,11 @@ from .own_lines import Extraction as Extraction
 from .own_lines import extract_centerline as extract_centerline
 from .places import Landmarks as Landmarks
 from .places import StentMiddle as StentMiddle
-from .places import nearest_place as nearest_place
 from .places import spot_of as spot_of
 from .placing import placement_at as placement_at
 from .preview import Preview as Preview
 from .preview import PreviewedNumbers as PreviewedNumbers
 from .preview import PreviewState as PreviewState
-from .profile import prescribed_diameters as prescribed_diameters
 from .ratios import SEEN_RATIOS as SEEN_RATIOS
 from .ratios import RatioRange as RatioRange
 from .ratios import SizeRatios as SizeRatios
@@ -28,8 +26,6 @@ from .ratios import treated_ratios as treated_ratios
 from .segments import ExtractedSegment as ExtractedSegment
 from .segments import SegmentWishes as SegmentWishes
 from .segments import extract_segment as extract_segment
-from .sizing import LONGEST_MARGIN as LONGEST_MARGIN
-from .sizing import RATIOS as RATIOS
 from .sizing import SizingWishes as SizingWishes
 from .sizing import Suggestion as Suggestion
 from .sizing import suggested as suggested

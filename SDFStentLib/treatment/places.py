@@ -9,7 +9,15 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Line
-from ..stent import AtCenter, AtDistalEnd, AtLesion, OfVessel, OnBranch, Stent
+from ..stent import (
+    DEFAULT_FORESHORTENING,
+    AtCenter,
+    AtDistalEnd,
+    AtLesion,
+    OfVessel,
+    OnBranch,
+    Stent,
+)
 from ..validation import InputError, Points, as_number
 from ..vessel import Lesion
 from .placing import placement_at
@@ -62,7 +70,24 @@ class Landmarks(NamedTuple):
         start, end = self.centerline.arc_length[self.centerline.branches[branch][[0, -1]]]
         return float(start), float(end)
 
-    def nearest_lesion(self, point: Points | None) -> AtLesion:
+    def nearest(self, kind: type[OfVessel], point: Points | None) -> AtLesion | OnBranch:
+        """The place of a kind, `AtLesion` or `OnBranch`, that is nearest to a point (3,) or none.
+
+        `InputError` where there is no lesion.
+        """
+        find = self._nearest_lesion if kind is AtLesion else self._nearest_on_branch
+        return find(point)
+
+    def stent_over(self, lesion: Lesion) -> Stent:
+        """A stent as wide as the healthy vessel at a lesion, and once expanded as long as that.
+
+        Its diameter to a tenth of a mm, its length in whole mm, at a point.
+        """
+        length = float(np.ceil(lesion.length / (1 - DEFAULT_FORESHORTENING)))
+        place = placement_at(lesion, self.centerline, length)
+        return Stent(round(lesion.reference_diameter, 1), placement=place, length=length)
+
+    def _nearest_lesion(self, point: Points | None) -> AtLesion:
         """The place at the lesion nearest to a point (3,), or the first; `InputError` for none."""
         self.lesion(1)
         if point is None:
@@ -70,7 +95,7 @@ class Landmarks(NamedTuple):
         away = [float(one.line.nearest(point[None]).distances[0]) for one in self.lesions]
         return AtLesion(1 + int(np.argmin(away)))
 
-    def nearest_on_branch(self, point: Points | None) -> OnBranch:
+    def _nearest_on_branch(self, point: Points | None) -> OnBranch:
         """Where a point (3,) is on its branch, to a tenth of a mm; halfway on the first without."""
         if point is None:
             return OnBranch(1, fraction=0.5)
@@ -78,15 +103,6 @@ class Landmarks(NamedTuple):
         branch = next(k for k, nodes in enumerate(tree.branches) if place.index in nodes[1:])
         start, end = self._ends(branch)
         return OnBranch(branch + 1, round(min(max(place.arc_length - start, 0.0), end - start), 1))
-
-
-def nearest_place(
-    kind: type[OfVessel], among: Landmarks, point: Points | None
-) -> AtLesion | OnBranch:
-    """The place of a kind, `AtLesion` or `OnBranch`, that is nearest to a point (3,) or to none."""
-    if kind is AtLesion:
-        return among.nearest_lesion(point)
-    return among.nearest_on_branch(point)
 
 
 class StentMiddle(NamedTuple):

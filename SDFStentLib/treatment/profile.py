@@ -45,13 +45,6 @@ def narrowest_fraction(axis: StentAxis, surface: Surface) -> float:
     return float(along[np.nanargmin(radius)] / along[-1])
 
 
-def prescribed_diameters(stent: Stent, axis: StentAxis, arc_length: Floats) -> Floats:
-    """Diameters, mm, that a stent shall have at some arc lengths of its axis."""
-    if axis.profile is None:
-        return np.full(len(arc_length), float(stent.diameter))
-    return axis.profile.at(arc_length / axis.deployed_length)
-
-
 def named_states(deployment: Deployment, label: str) -> Iterator[DeploymentState]:
     """The states of a deployment; its errors name the stent."""
     with labeled(label):
@@ -87,4 +80,4 @@ class Stage(NamedTuple):
 
     def radius_at(self, arc_length: Floats) -> Floats:
         """Radii of the stent at some arc lengths of its axis, mm."""
-        return prescribed_diameters(self.stent, self.axis, arc_length) / 2
+        return self.placed.prescribed(arc_length) / 2

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 from ..cautions import Caution
 from ..centerline import Centerline
+from ..parameter import check_parameters, parameter
 from ..stent import (
     Balloon,
     Device,
@@ -23,7 +24,7 @@ from ..stent import (
     balloon_leaving,
     stent_axis,
 )
-from ..validation import InputError, as_number, printable
+from ..validation import InputError, printable
 from ..vessel import SMALLEST_DEGREE, Lesion
 from .placing import NOTICED, HealthyVessel, beside_lesion, placement_at, uncovered_length
 from .ratios import SizeRatios, size_ratios
@@ -54,15 +55,25 @@ class SizingWishes:
         As of `Stent`.
     """
 
-    ratio: float = 1.0
-    margin: float = 0.0
+    ratio: float = parameter(
+        "lumen over the smaller healthy vessel beside the lesion",
+        default=1.0,
+        least=RATIOS[0],
+        most=RATIOS[1],
+        called="ratio to the adjacent vessel",
+    )
+    margin: float = parameter(
+        "how far beyond both ends of the lesion",
+        default=0.0,
+        unit="mm",
+        least=0.0,
+        most=LONGEST_MARGIN,
+    )
     device: Device | None = None
     foreshortening_fraction: float | None = None
 
     def __post_init__(self) -> None:
-        low, high = RATIOS
-        as_number(self.ratio, "ratio to the adjacent vessel", minimum=low, maximum=high)
-        as_number(self.margin, "margin", unit="mm", minimum=0, maximum=LONGEST_MARGIN)
+        check_parameters(self)
 
     @property
     def own_length(self) -> float | None:

@@ -23,7 +23,7 @@ from ..certificate import Certificate, LumenCheck, certify
 from ..deformation import Deployment, DeploymentSettings
 from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
 from ..lumen import bulged_caps, diameter_profile
-from ..stent import OfStent, Stent
+from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
 from .branches import covered_by_all
@@ -156,7 +156,7 @@ class Treatment:
         ready = perf_counter()
         for state in named_states(deployment, self.label(placed.number)):
             fraction = (len(self._stages) + state.fraction) / count
-            yield TreatmentState(placed.number, fraction, state, surface, axis)
+            yield TreatmentState(placed, fraction, state, surface)
         self._stages.append(Stage(placed, course.centerline, deployment))
         self._seconds["setup"] += ready - self._clock
         self._clock = perf_counter()
@@ -229,7 +229,7 @@ class Treatment:
         states = VesselStates(self.surface, found, left, after)
         seen = surroundings(survey, states, stage.radius_at)
         again = latest_of(stage.number, {one.number: one.stent for one in self._stages})
-        placement = stage.stent.placement
+        earlier = stage.placed.earlier
         return TreatedStent(
             number=stage.number,
             stent=stage.stent,
@@ -245,7 +245,7 @@ class Treatment:
             apposition=seen.apposition if again == stage.number else None,
             again=None if again == stage.number else again,
             again_row=None if again == stage.number else self._rows[again],
-            earlier_row=self._rows[placement.number] if isinstance(placement, OfStent) else None,
+            earlier_row=None if earlier is None else self._rows[earlier],
             result=stage.result,
         )
 

@@ -16,8 +16,17 @@ from ..certificate import Certificate
 from ..deformation import DeploymentResult, DeploymentState
 from ..geometry import Surface
 from ..lumen import DiameterProfile, ExtendedAxis, FaceStretch, face_stretches
-from ..stent import OfStent, Stent, StentAxis, redilated
-from ..validation import DeploymentError, InputError, Points
+from ..stent import (
+    Lattice,
+    OfStent,
+    Stent,
+    StentAxis,
+    design_of,
+    laid_along,
+    redilated,
+    stent_lattice,
+)
+from ..validation import DeploymentError, Floats, InputError, Points
 from ..vessel import Apposition, NeighborLumen, Ostium
 
 
@@ -27,23 +36,25 @@ class TreatmentState:
 
     Attributes
     ----------
-    number : int
-        Of the stent in the plan, from 1.
+    placed : PlacedStent
+        That stent, where it lies.
     fraction : float
         Done of the whole treatment, in [0, 1].
     deployment : DeploymentState
         Radius, and the points that this stent has moved.
     before : Surface
         As the earlier stents have left it.
-    axis : StentAxis
-        Where this stent lies.
     """
 
-    number: int
+    placed: PlacedStent
     fraction: float
     deployment: DeploymentState
     before: Surface
-    axis: StentAxis
+
+    @property
+    def number(self) -> int:
+        """Of the stent in the plan, from 1."""
+        return self.placed.number
 
     def points(self) -> Points:
         """All points of the surface in this state, mm."""
@@ -71,6 +82,30 @@ class PlacedStent:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "row", self.row or self.number)
+
+    @property
+    def earlier(self) -> int | None:
+        """Number of the stent that it dilates again; None where it dilates none."""
+        placement = self.stent.placement
+        return placement.number if isinstance(placement, OfStent) else None
+
+    def prescribed(self, arc_length: Floats) -> Floats:
+        """Diameters (k,), mm, that it shall have at some arc lengths (k,) of its axis, mm."""
+        if self.axis.profile is None:
+            return np.full(len(arc_length), float(self.stent.diameter))
+        return self.axis.profile.at(arc_length / self.axis.deployed_length)
+
+    def lattice(self, radius: float | None = None) -> Lattice:
+        """Its rings and struts; while it expands, at its largest radius by then, mm."""
+        if radius is None:
+            return stent_lattice(self.stent, self.axis)
+        design = design_of(self.stent)
+        expansion = design.expansion_at(radius, self.stent.widest_diameter / 2)
+        return stent_lattice(self.stent, self.axis, design, expansion)
+
+    def laid(self, points: Points) -> Points:
+        """Points (n, 3) of a straight mesh, along z and its middle at z = 0, where it lies, mm."""
+        return laid_along(points, self.stent, self.axis)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ..certificate import SurfaceCheck, check_surface
 from ..flow import Channel, Ends, FollowedChannels, begun_branches, channels_of, end_names
 from ..geometry import Line, NamedFaces, Precision, Surface
 from ..lumen import DiameterProfile, diameter_profile
-from ..stent import OfVessel, Stent, balloon_of
+from ..stent import OfVessel, Stent, balloon_of, beside
 from ..validation import InputError, Points
 from ..vessel import (
     Lesion,
@@ -25,6 +25,7 @@ from ..vessel import (
     find_lesions,
     given_names,
     lesions_against,
+    lesions_within,
     line_seeds,
     lumen_left,
     vessel_ends,
@@ -32,9 +33,12 @@ from ..vessel import (
 from .own_lines import Extraction, extract_centerline
 from .places import Landmarks, placement_in
 from .placing import healthy_vessel
+from .preview import Preview
+from .ratios import SizeRatios, stent_ratios
 from .sizing import SizingWishes, Suggestion, suggested
 from .straightening import axis_in_vessel
 from .surroundings import PROFILE_SPACING, lumen_around
+from .value import PlacedStent
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,6 +229,26 @@ class Vessel:
         """A proposal with the healthy vessel, as measured where it will lie; all its lesions."""
         native = lumen_around(self.surface, proposed.axis.line, self.centerline)
         return proposed.within(healthy_vessel(native, proposed.deployed_length, lesions))
+
+    def ratios(self, placed: PlacedStent) -> tuple[Lesion, SizeRatios] | None:
+        """The tightest lesion that a stent covers, and how it compares; None for none."""
+        for lesion in lesions_within(self.lesions or (), placed.axis.points):
+            return lesion, stent_ratios(placed.stent, lesion)
+        return None
+
+    def place_cautions(self, stent: Stent) -> tuple[Caution, ...]:
+        """What there is to say of the points by which a stent is placed.
+
+        `InputError` where it cannot lie there.
+        """
+        assert self.centerline is not None
+        axis_in_vessel(stent, self.centerline, self.surface)
+        return tuple(beside(stent.placement, self.centerline))
+
+    @cached_property
+    def preview(self) -> Preview:
+        """In which plans are tried out."""
+        return Preview(self.surface, self.centerline)
 
     def native_lumen(self, stent: Stent) -> float:
         """Smallest inscribed diameter where a stent lies, before it, mm; NaN where not known."""
