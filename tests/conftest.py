@@ -11,8 +11,12 @@ from child_processes import PROJECT
 from hypothesis import HealthCheck, settings
 from tube_files import write_tube
 
+from benchmarks.phantoms import branching_pulmonary_artery, cavopulmonary_connection
 from SDFStentLib.cli import main
 from SDFStentLib.deformation import deployment as engine
+from SDFStentLib.flow import channels_of
+from SDFStentLib.plan import Plan, run_plan
+from SDFStentLib.stent import AtCenter, InputFile, Stent
 
 # How long an example takes says more about the machine than about the code.
 settings.register_profile("new", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -42,6 +46,29 @@ def a_folder(tmp_path, monkeypatch):
     write_tube(tmp_path)
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture(scope="session")
+def result(tmp_path_factory):
+    """A stent in a tube of 6 mm, narrowed to 3.6, with files in cm: what came of its plan."""
+    folder = tmp_path_factory.mktemp("result")
+    write_tube(folder)
+    files = (InputFile(str(folder / name)) for name in ("tube.vtp", "line.vtp"))
+    stent = Stent(6.5, placement=AtCenter([0, 0, 20.0]), length=20.0, name="main <3")
+    return run_plan(Plan((stent,), *files, units="cm"))
+
+
+@pytest.fixture(scope="session")
+def a_fork():
+    """Channels of a fork, and a place in its right branch."""
+    phantom = branching_pulmonary_artery()
+    right = next(one.center for one in phantom.openings if "right" in one.name)
+    return channels_of(phantom.surface, phantom.centerline), tuple(right.tolist())
+
+
+@pytest.fixture(scope="session")
+def fontan():
+    return cavopulmonary_connection(1.3)
 
 
 @pytest.fixture

@@ -238,6 +238,19 @@ class Visit:
         rows = self.named(name).locator("tbody tr")
         playwright.expect(rows).to_have_count(0)
 
+    def open_section(self):
+        """Unfold where files are opened."""
+        self.named("opening").evaluate("one => { one.open = true; }")
+
+    def deploy(self):
+        """Deploy, and wait until the surface is certified."""
+        self.named("deployButton").click()
+        self.until("certificateLabel", "Certified")
+
+    def archive(self, name="savePlanButton"):
+        """The ZIP that a button gives."""
+        return zipfile.ZipFile(io.BytesIO(self.saved(name)))
+
     def click_lesion(self):
         """Click the first one, once they are found: until then their row says so."""
         self.until("lesionTable", "%")
@@ -281,8 +294,7 @@ class Visit:
 
     def placed(self):
         """The placement of the one stent of the plan, and what turns its points into RAS."""
-        archive = zipfile.ZipFile(io.BytesIO(self.saved("savePlanButton")))
-        plan = json.loads(archive.read("plan.json"))
+        plan = json.loads(self.archive().read("plan.json"))
         turn = (-1, -1, 1) if plan["inputs"]["frame"] == "LPS" else (1, 1, 1)
         return plan["stents"][0]["placement"], turn
 
@@ -311,7 +323,7 @@ def the_visit(a_browser, the_server):
 @pytest.fixture
 def a_visit(the_visit):
     """The one page, with the synthetic patient opened anew."""
-    the_visit.named("opening").evaluate("one => { one.open = true; }")
+    the_visit.open_section()
     the_visit.named("autoUpdateCheckBox").locator("input").uncheck()
     the_visit.named("demoButton").click()
     playwright.expect(the_visit.named("opening")).not_to_have_attribute("open", "")
@@ -338,8 +350,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     a_visit.add_stent()
     a_visit.number("lengthSlider").fill("12")
     a_visit.number("lengthSlider").press("Enter")
-    a_visit.named("deployButton").click()
-    a_visit.until("certificateLabel", "Certified")
+    a_visit.deploy()
     a_visit.until("atHand", "certified for meshing")
     told = a_visit.text("atHand").splitlines()
     assert re.fullmatch(r"narrowest [\d.]+ -> [\d.]+ mm", told[1])
@@ -363,7 +374,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     table = a_visit.page.locator(".results table")
     columns = table.locator("th").all_text_contents()
     seen = [row.locator("td").all_text_contents() for row in table.locator("tbody tr").all()]
-    archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
+    archive = a_visit.archive()
     archive.extractall(tmp_path)
     (tmp_path / "page.vtp").write_bytes(a_visit.saved("save-surface"))
     result = run_plan(load_plan(tmp_path / "plan.json"))
@@ -459,7 +470,7 @@ def test_what_is_edited_while_a_report_is_made_is_taken_at_once(a_visit):
 def test_what_is_edited_just_before_a_click_belongs_to_what_was_there(a_visit, the_folder, button):
     """A plan is saved with it; one that is opened by the click does not get it."""
     a_visit.add_stent()
-    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.open_section()
     a_visit.page.fill("#surfacePath", str(the_folder / "plan.json"))
     with a_visit.page.expect_download() as download:
         a_visit.named(button).evaluate(EDITED_AND_CLICKED)
@@ -564,7 +575,7 @@ def test_a_click_on_the_centerline_places_the_handle_and_mouse_and_finger_drag_i
 
 
 def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
-    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.open_section()
     for path, sentence in (
         ("/etc/passwd", "expected a file in a folder that was named at the start"),
         (the_folder / "damaged.vtp", "damaged.vtp"),
@@ -588,7 +599,7 @@ def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
 @pytest.mark.parametrize("name", DAMAGED)
 def test_a_damaged_file_that_is_sent_is_a_sentence_and_the_page_goes_on(the_visit, name):
     content, sentence = DAMAGED[name]
-    the_visit.named("opening").evaluate("one => { one.open = true; }")
+    the_visit.open_section()
     upload, path = the_visit.named("surfacePath-upload"), the_visit.page.locator("#surfacePath")
     upload.set_input_files({"name": name, "mimeType": "", "buffer": content})
     playwright.expect(path).to_have_value(re.compile(rf"uploads/{name}$"))
@@ -599,8 +610,8 @@ def test_a_damaged_file_that_is_sent_is_a_sentence_and_the_page_goes_on(the_visi
 
 def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_visit):
     a_visit.add_stent()
-    archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
-    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    archive = a_visit.archive()
+    a_visit.open_section()
     upload, path = a_visit.named("surfacePath-upload"), a_visit.page.locator("#surfacePath")
     names = ("surface.vtp", "centerline.vtp")
     files = [(name, base64.b64encode(archive.read(name)).decode()) for name in names]
@@ -618,7 +629,7 @@ def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_vis
     a_visit.named("openButton").click()
     a_visit.until("stentTable", "Stent 1")
     playwright.expect(a_visit.named("message")).to_have_text("")
-    again = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
+    again = a_visit.archive()
     assert again.read("surface.vtp") == archive.read("surface.vtp")
     placed = [json.loads(one.read("plan.json"))["stents"] for one in (archive, again)]
     assert placed[0] == placed[1]
@@ -628,7 +639,7 @@ def test_a_fontan_is_told_from_each_caval_vein_and_its_inlets_are_set_in_the_pag
     a_visit, the_folder
 ):
     write_fontan(the_folder)
-    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.open_section()
     a_visit.page.fill("#surfacePath", str(the_folder / "fontan.json"))
     a_visit.named("openButton").click()
     a_visit.until("stentTable", "16.0 mm")
@@ -652,12 +663,12 @@ def test_a_fontan_is_told_from_each_caval_vein_and_its_inlets_are_set_in_the_pag
     ends.select_option(label="left pulmonary artery")
     playwright.expect(a_visit.named("inletCheckBox").locator("input")).not_to_be_checked()
     a_visit.named("unusualFlowCheckBox").locator("input").check()
-    archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
+    archive = a_visit.archive()
     flow = json.loads(archive.read("plan.json"))["flow"]
     assert [one["mean"] for one in flow["inlets"]] == pytest.approx([30.0, 10.0])
     assert (flow["bsa"], flow["unusual"]) == (1.2, True)
     # Another patient's vessel has no part in this flow.
-    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.open_section()
     a_visit.named("demoButton").click()
     a_visit.until("lesionTable", "41 %")
     playwright.expect(a_visit.number("flowMeanSpinBox")).to_have_value("0.00")
@@ -679,8 +690,7 @@ def test_a_stent_is_kept_at_a_lesion_and_on_a_branch(a_visit):
     box.press("Enter")
     playwright.expect(box).to_have_value("9.5")
     assert a_visit.placed()[0] == {"branch": 3, "distance": 9.5}
-    a_visit.named("deployButton").click()
-    a_visit.until("certificateLabel", "ertified")
+    a_visit.deploy()
 
 
 def write_fontan(folder):
@@ -716,7 +726,7 @@ def test_alternatives_are_made_renamed_and_compared(a_visit):
     a_visit.until("planTable", "Wider")
     a_visit.number("diameterSlider").fill("7.5")
     a_visit.number("diameterSlider").press("Enter")
-    comparison = zipfile.ZipFile(io.BytesIO(a_visit.saved("comparePlansButton")))
+    comparison = a_visit.archive("comparePlansButton")
     (page,) = (name for name in comparison.namelist() if name.endswith(".html"))
     assert b"Wider" in comparison.read(page)
     kept = []
@@ -746,8 +756,7 @@ def test_a_page_that_hangs_holds_up_no_other(a_visit, the_server):
             asked = pool.submit(get, address)
             a_visit.click_lesion()
             a_visit.add_stent()
-            a_visit.named("deployButton").click()
-            a_visit.until("certificateLabel", "Certified")
+            a_visit.deploy()
             assert not asked.done()
             other.resume()
             assert asked.result()[0] == 200
@@ -767,10 +776,9 @@ def test_a_segment_and_a_mesh_of_ones_own_are_kept_by_the_browser(a_visit, the_f
     playwright.expect(place).to_have_attribute("aria-pressed", "false")
     a_visit.click_lesion()
     a_visit.add_stent()
-    a_visit.named("deployButton").click()
-    a_visit.until("certificateLabel", "Certified")
+    a_visit.deploy()
     a_visit.named("statusLabel").evaluate(REMEMBERED)
-    segment = zipfile.ZipFile(io.BytesIO(a_visit.saved("writeSegmentButton")))
+    segment = a_visit.archive("writeSegmentButton")
     a_visit.until("statusLabel", "Wrote segment, in cm;")
     walls = [name for name in segment.namelist() if name.endswith("mesh-surfaces/wall.vtp")]
     assert [name.split("/")[-3] for name in sorted(walls)] == ["after", "before"]
@@ -808,8 +816,7 @@ def test_a_window_of_another_size_shows_what_was_looked_at(a_visit):
     size = a_visit.page.viewport_size
     a_visit.click_lesion()
     a_visit.add_stent()
-    a_visit.named("deployButton").click()
-    a_visit.until("certificateLabel", "Certified")
+    a_visit.deploy()
     a_visit.named("fitButton").click()
     whole = middle()
     a_visit.click_lesion()
@@ -876,7 +883,7 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
     from SDFStentLib.files import read_surface
     from SDFStentLib.plan import load_plan, run_plan
 
-    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.open_section()
     a_visit.page.fill("#surfacePath", str(the_folder / "cm" / "wall.vtp"))
     a_visit.page.fill("#centerlinePath", str(the_folder / "cm" / "lines.vtp"))
     a_visit.named("openButton").click()
@@ -885,14 +892,13 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
         a_visit.page.evaluate("row => window.trame.trigger('hover', ['lesionTable', row])", row)
     a_visit.until("message", "name the unit of the file")
     playwright.expect(a_visit.named("opening")).not_to_have_attribute("open", "")
-    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.open_section()
     a_visit.page.select_option("#fileUnits", "cm")
     a_visit.named("openButton").click()
     a_visit.click_lesion()
     a_visit.add_stent()
-    a_visit.named("deployButton").click()
-    a_visit.until("certificateLabel", "ertified")
-    zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton"))).extractall(tmp_path)
+    a_visit.deploy()
+    a_visit.archive().extractall(tmp_path)
     given = (the_folder / "cm" / "wall.vtp").read_bytes()
     assert (tmp_path / "surface.vtp").read_bytes() == given
     plan = load_plan(tmp_path / "plan.json")

@@ -5,10 +5,9 @@ from html import unescape
 
 import numpy as np
 import pytest
-from tube_files import write_tube
 
 from SDFStentLib.cautions import Caution
-from SDFStentLib.plan import Alternative, Plan, PlanComparison, PlanResult, run_plan
+from SDFStentLib.plan import Alternative, PlanComparison, PlanResult
 from SDFStentLib.report import (
     Tile,
     comparison_document,
@@ -24,17 +23,6 @@ from SDFStentLib.report import (
 )
 from SDFStentLib.report.facts import COMPARED, DETAILS, GLANCE, LINES, Fact, Facts, size, width
 from SDFStentLib.report.html import html_page
-from SDFStentLib.stent import AtCenter, InputFile, Stent
-
-
-@pytest.fixture(scope="module")
-def result(tmp_path_factory) -> PlanResult:
-    """A stent in a narrowed tube."""
-    folder = tmp_path_factory.mktemp("facts")
-    write_tube(folder)
-    files = (InputFile(str(folder / name)) for name in ("tube.vtp", "line.vtp"))
-    stent = Stent(6.5, placement=AtCenter([0, 0, 20.0]), length=20.0)
-    return run_plan(Plan((stent,), *files, units="cm"))
 
 
 def told_everywhere(result: PlanResult) -> dict[str, object]:

@@ -48,11 +48,6 @@ def a_vessel(phantom, root=None, names=()):
     return Vessel(phantom.surface, tree, faces=faces, names=tuple(names))
 
 
-@pytest.fixture(scope="module")
-def fontan():
-    return cavopulmonary_connection(1.3)
-
-
 def a_fontan(phantom, root=None):
     return a_vessel(phantom, root, (VesselName(name, face) for name, face in ENDS.items()))
 

@@ -12,7 +12,6 @@ from seeds import seeds
 
 from benchmarks.phantoms import (
     arch_with_coarctation,
-    branching_pulmonary_artery,
     stenosed_tube,
     straight_tube,
     vascular_tree,
@@ -463,14 +462,6 @@ def test_an_artery_costs_what_the_navier_stokes_equations_say(data_dir):
     assert drop.recovered.low < 6.60 < drop.recovered.high
     assert drop.maximal.value == pytest.approx(8.23, rel=0.15)
     assert drop.maximal.low < 8.23 < drop.maximal.high
-
-
-@pytest.fixture(scope="module")
-def a_fork():
-    phantom = branching_pulmonary_artery()
-    channels = channels_of(phantom.surface, phantom.centerline)
-    right = next(one.center for one in phantom.openings if "right" in one.name)
-    return channels, tuple(right.tolist())
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from seeds import seeds
 
-from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube, vascular_tree
+from benchmarks.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.flow import (
     FlowModel,
     Known,
@@ -463,14 +463,6 @@ def test_the_drop_over_a_regurgitant_wave_is_that_of_its_moments():
 
 
 # What the patient is known by
-
-
-@pytest.fixture(scope="module")
-def a_fork():
-    phantom = branching_pulmonary_artery()
-    channels = channels_of(phantom.surface, phantom.centerline)
-    right = next(one.center for one in phantom.openings if "right" in one.name)
-    return channels, tuple(right.tolist())
 
 
 def inlet_over(network, outlets, wave):

@@ -13,13 +13,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from tube_files import write_tube
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import polydata_from_arrays
-from SDFStentLib.plan import Plan, PlanResult, read_input_files, run_plan, treatment_of
+from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import (
     Facts,
     Report,
@@ -35,18 +34,8 @@ from SDFStentLib.report.picture.drawing import Stroke
 from SDFStentLib.report.picture.plot import diameter_plot, figure
 from SDFStentLib.report.stents import PLACEMENTS, _bend_words
 from SDFStentLib.report.words import plain_text, point_words
-from SDFStentLib.stent import AtCenter, InputFile, Placement, Stent
+from SDFStentLib.stent import AtCenter, Placement, Stent
 from SDFStentLib.validation import DeploymentError, InputError, Points, Triangles
-
-
-@pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    """A stent in a tube of 6 mm, narrowed to 3.6, with files in cm."""
-    folder = tmp_path_factory.mktemp("report")
-    write_tube(folder)
-    files = (InputFile(str(folder / name)) for name in ("tube.vtp", "line.vtp"))
-    stent = Stent(6.5, placement=AtCenter([0, 0, 20.0]), length=20.0, name="main <3")
-    return run_plan(Plan((stent,), *files, units="cm"))
 
 
 @pytest.fixture(scope="module")

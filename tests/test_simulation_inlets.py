@@ -8,7 +8,7 @@ from seeds import seeds
 from test_flow_inlets import MMHG, a_fontan, a_vessel, flows
 from test_simulation import series
 
-from benchmarks.phantoms import branching_pulmonary_artery, cavopulmonary_connection
+from benchmarks.phantoms import branching_pulmonary_artery
 from SDFStentLib.flow import Inflow, Wave, known_flow
 from SDFStentLib.plan import flow_model
 from SDFStentLib.report import simulation_sentences
@@ -20,11 +20,6 @@ from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment
 from SDFStentLib.validation import InputError
 
 PRESSURES = {"inlet": 24.0, "wedge": 8.0}
-
-
-@pytest.fixture(scope="module")
-def fontan():
-    return cavopulmonary_connection(1.3)
 
 
 @pytest.fixture
