@@ -228,7 +228,7 @@ class Alternatives:
         return untilDone(self.comparisonSteps(parameterNode, folder))
 
     def comparisonSteps(self, parameterNode, folder):
-        """The same in portions: an iterator over the fraction that is done, which returns the path."""
+        """The comparison in portions: an iterator over the fraction that is done, which returns the path."""
         plans = {}
         for one in self.alternatives(parameterNode):
             name = one.parameterNode.GetName()

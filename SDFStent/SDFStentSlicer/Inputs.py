@@ -84,7 +84,7 @@ class Inputs:
         return untilDone(self.centerlineInPortions(parameterNode))
 
     def knownCenterline(self, parameterNode):
-        """The same where it is converted already, else None."""
+        """The centerline where it is converted already, else None."""
         stamp, centerline = self._centerline
         return centerline if stamp == _stampOf(parameterNode) else None
 

@@ -196,7 +196,7 @@ class LesionTable:
             raise error
 
     def _clicked(self, _row, _column):
-        """Go there again when the selected one is clicked once more."""
+        """Go to the selected lesion again when it is clicked once more."""
         self._selectionChanged()
 
     def _entered(self, row, _column):

@@ -257,7 +257,7 @@ class SDFStentLogic(
         return shown
 
     def forgetRun(self, parameterNode):
-        """Know nothing of the last deployment any more."""
+        """Forget the last deployment."""
         self._shown.pop(parameterNode.parameterNode.GetID(), None)
 
     def lastRun(self, parameterNode):

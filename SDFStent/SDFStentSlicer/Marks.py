@@ -78,6 +78,6 @@ def _newDisplay(node):
 
 
 def removeMark(node):
-    """Take it away again, if there is one."""
+    """Take the mark away again, if there is one."""
     if node is not None and node.GetScene() is not None:
         removeWhole(node)

@@ -215,7 +215,7 @@ class SDFStentParameterNode:
 
     @property
     def method(self):
-        """How the wall follows the stent."""
+        """The settings of the method, by which the wall follows the stent."""
         return Named(self, METHOD)
 
 
@@ -258,7 +258,7 @@ def stentOf(parameterNode):
 
 
 def methodOf(parameterNode):
-    """How the wall follows the stent."""
+    """The settings of the method, by which the wall follows the stent."""
     return _once(parameterNode, "method", lambda: SimpleNamespace(**parameterNode.method.values()))
 
 

@@ -30,7 +30,7 @@ class DrawnStent(NamedTuple):
 
     @property
     def axis(self):
-        """Where it lies."""
+        """The axis on which it lies."""
         return self.placed.axis
 
 

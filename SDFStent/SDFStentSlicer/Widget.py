@@ -152,7 +152,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         )
 
     def onParameterSetSelected(self, node):
-        """Called for the first node as well, when there was none: only a panel that is shown changes over."""
+        """Change over to another node, the first one as well; only a panel that is shown does."""
         if self._parameterNode is not None and node is not self._parameterNode.parameterNode:
             self.setParameterNode(None)
             self._lastSet = node

@@ -108,7 +108,7 @@ million cases."""
 
 
 class Case(NamedTuple):
-    """One deployment of a cohort."""
+    """A case: one deployment of a cohort."""
 
     number: int
     """Number in the sweep, from 1, patient by patient."""

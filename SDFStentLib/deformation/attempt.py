@@ -170,7 +170,7 @@ class Attempt(Growth):
         )
 
     def finish(self) -> None:
-        """After the last step: put the wall in contact on the prescribed lumen, if asked to."""
+        """Put the wall in contact on the prescribed lumen after the last step, if asked to."""
         positions = self._on_lumen() if self.task.settings.finish else self.motion.positions
         self.motion.freeze()
         self.positions = positions

@@ -185,7 +185,7 @@ class CapsuleChain:
 
 
 def runs_forward(points: Points) -> bool:
-    """One answer for a line and the opposite one for its reverse; signs of coordinates count last.
+    """Whether a line runs forward: its reverse does not; signs of coordinates count last.
 
     So both frames of a patient, between which two coordinates change sign, get the same answer.
     """

@@ -138,7 +138,7 @@ class _SurfaceParts:
         return some[np.logical_and.reduceat(is_in, np.cumsum([0, *map(len, own[:-1])]))]
 
     def boxed_in(self, part: int) -> Flags:
-        """Whether each other part (p,) lies in the box round a part, but for what a slanted end
+        """Whether each other part (p,) lies in the box round a part, apart from what a slanted end
         may."""
         slack = (1 - ALL) * self.extents[part]
         found = (self.low >= self.low[part] - slack) & (self.high <= self.high[part] + slack)

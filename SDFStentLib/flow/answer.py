@@ -289,7 +289,7 @@ class FlowModel:
         )
 
     def _inflow(self, moment: str) -> tuple[float, ...]:
-        """mL/s at the inlets with flow."""
+        """The flow at the inlets that have any, mL/s."""
         fractions = np.array([one for one in self._inlets.fractions.values() if one])
         if moment == "mean" or self._flows.ndim == 1:
             flow = self.known.mean if moment == "mean" else self._flows[-1]

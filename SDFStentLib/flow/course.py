@@ -159,7 +159,7 @@ def course_of(channels: Sequence[Channel], flow: Floats, inlets: Mapping[int, fl
 
 
 def _in_order(before: Sequence[Sequence[int]]) -> tuple[int, ...]:
-    """Numbers after those that come before them, the lowest first."""
+    """Numbers in an order in which each follows those before it, the lowest first."""
     waits = [len(one) for one in before]
     after: list[list[int]] = [[] for _ in before]
     for number, some in enumerate(before):

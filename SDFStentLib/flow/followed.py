@@ -36,7 +36,7 @@ class _Round(NamedTuple):
 
 
 class FollowedChannels:
-    """The channels of a vessel, to be told of treated ones again and again.
+    """The channels of a vessel, followed again and again in the vessel as treated.
 
     What is round a channel is looked up when a wall moves near it for the first time.
 

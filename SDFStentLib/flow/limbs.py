@@ -62,7 +62,7 @@ def _nearest(
 
 
 def _up_to(limb: Stretch, other: Stretch, station: int) -> Stretch:
-    """A limb to where it comes into the lumen of another stretch, and on to its middle.
+    """A limb up to where it enters the lumen of another stretch, and on to its middle.
 
     In that lumen spheres are of the other vessel, as they are where a branch begins.
     """
@@ -85,7 +85,7 @@ def _up_to(limb: Stretch, other: Stretch, station: int) -> Stretch:
 def _parted(
     stretches: Sequence[Stretch], joins: dict[int, int], number: int, station: int
 ) -> tuple[list[Stretch], dict[int, int]]:
-    """Stretches of which one is parted at a station; what comes behind it counts one on."""
+    """Stretches with one parted at a station; the numbers of later ones go up by one."""
     one = stretches[number]
     first, second = (
         one._replace(**{name: getattr(one, name)[part] for name in one._fields if name != "above"})

@@ -63,7 +63,7 @@ class Sides(NamedTuple):
         return not bool(self.outlets.any(axis=0).all())
 
     def flows(self, tree: Tree, through: Floats) -> Floats:
-        """Flows (t, 3) to both, and to other outlets, by those through all blocks (t, n)."""
+        """Flows (t, 3) to both sides and to other outlets, by those through all blocks (t, n)."""
         at_outlets = tree.signs[tree.outlets] * through[:, tree.outlets]
         # From inlets and through chords blood may come there, too.
         own = through[:, self.blocks] if tree.is_plain else at_outlets @ self.outlets.T

@@ -69,12 +69,12 @@ class Wave:
 
     @property
     def mean(self) -> float:
-        """mL/s."""
+        """The mean flow, mL/s."""
         return _mean(np.array(self.time), np.array(self.flow))
 
     @property
     def peak(self) -> float:
-        """mL/s."""
+        """The largest flow, mL/s."""
         return max(self.flow)
 
     @property

@@ -143,7 +143,7 @@ def _capped(draft: Draft, height: float) -> Changes:
 
 
 def _tabled(draft: Draft, rows: Any) -> Changes:
-    """A table says all diameters."""
+    """Settle a profile from a table, which says all diameters."""
     shape = draft.shape or Shape()
     shape = replace(shape, waist=None, start=None, end=None) if rows else shape
     return shaped(draft, replace(shape, table=rows))

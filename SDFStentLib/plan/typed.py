@@ -154,7 +154,7 @@ def _hints(kind: Any) -> dict[str, Any]:
 
 
 def _keys(kind: Any) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Those that it needs, and the others."""
+    """The keys that are needed, and the others."""
     needed = [field.name for field in fields(kind) if field.default is MISSING]
     return tuple(needed), tuple(name for name in _hints(kind) if name not in needed)
 

@@ -125,7 +125,7 @@ def _section(found: Simulated, state: str, fine: Found, coarse: Found | None) ->
 
 
 def _error(name: str, fine: float, coarse: Mapping[str, float]) -> float:
-    """The error of a value on the fine mesh."""
+    """The error bar of a value on the fine mesh."""
     return (2.0 if name.startswith("shear") else 1.0) * abs(fine - coarse[name])
 
 

@@ -65,7 +65,7 @@ _SHORT = {
 
 
 class Summary(NamedTuple):
-    """What is said at once of a deployment, without its warnings."""
+    """The first lines about a deployment, without its warnings."""
 
     deployed: str
     results: list[str]

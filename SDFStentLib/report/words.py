@@ -123,7 +123,7 @@ def band_words(band: Mapping[str, float], scale: float = 1.0) -> str:
 
 
 def brief(value: float) -> str:
-    """Two digits behind the point below one, one below a hundred; no minus zero."""
+    """A number in short: two decimals below one, one below a hundred; no minus zero."""
     digits = 2 if abs(value) < 1 else 1
     return f"{round(value, digits) + 0.0:.{digits}f}"
 

@@ -37,7 +37,7 @@ class InterimVessel(NamedTuple):
         return np.concatenate([self.centerline.points, self.companions])
 
     def after(self, vessel: Surface | VesselInside, dragged: Points) -> InterimVessel:
-        """The next one, with what was dragged along where it is by then."""
+        """The vessel as the next stent finds it, with what was dragged along where it is now."""
         tree = self.centerline
         if tree is None:
             return InterimVessel(vessel, None, dragged)

@@ -142,7 +142,7 @@ def _state_of(parts: VesselParts, vessel: Vessel, after: Vessel) -> VesselParts:
 
 
 def _open_branches(left: Sequence[OpenBranch]) -> Iterator[Caution]:
-    """Side branches that could not be closed."""
+    """The side branches that could not be closed."""
     for branch in left:
         yield Caution("open-branch", {"name": branch.name}, as_place(branch.place))
 

@@ -207,7 +207,7 @@ class TreatmentResult:
 
     @cached_property
     def stretch(self) -> FaceStretch:
-        """What became of every triangle."""
+        """The stretch of every triangle."""
         return face_stretches(self.before, self.surface)
 
 

@@ -152,7 +152,7 @@ class Vessel:
 
     @cached_property
     def end_names(self) -> tuple[tuple[str, ...], ...]:
-        """`end_names` of its centerline, none without."""
+        """The `end_names` of the vessel's centerline, none without one."""
         return () if self.centerline is None else end_names(self.centerline, self.ends)
 
     @cached_property
@@ -163,7 +163,7 @@ class Vessel:
 
     @cached_property
     def followed(self) -> FollowedChannels:
-        """Its channels, to be told of treated vessels; it needs a centerline."""
+        """The vessel's channels, to be followed in treated vessels; a centerline is needed."""
         assert self.centerline is not None
         return FollowedChannels(self.surface, self.centerline, self.channels)
 

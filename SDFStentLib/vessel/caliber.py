@@ -63,7 +63,7 @@ def caliber_of(run: VesselRun) -> Caliber:
 
 
 def healthy_caliber(run: VesselRun) -> float:
-    """How wide a vessel is where it is widest for some length, mm: what it is called by.
+    """The width of a vessel where it is widest for some length, mm, by which it is called.
 
     At least its median, which is all that is known of a short one; 0 without a station.
     """

@@ -152,7 +152,7 @@ class LocalSurface:
 
 
 def _scattered(numbers: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Numbers that are all over the place, and always the same for the same ones."""
+    """Scattered numbers, always the same for the same ones."""
     # The last steps of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
     first, second, last = np.uint64(30), np.uint64(27), np.uint64(31)
     numbers = (numbers ^ (numbers >> first)) * np.uint64(0xBF58476D1CE4E5B9)
