@@ -390,7 +390,6 @@ class Page:
 
     def _close(self) -> None:
         """Remove the former vessel from the scene, with its stents, its patient's flow and results."""
-        from SDFStentSlicer import Flow
         from SDFStentSlicer.Display import OUTPUT_ROLES
 
         parameters, logic = self.parameters, self.widget.logic
@@ -403,7 +402,7 @@ class Page:
         # Ends, since every turn takes one away.
         while len(parameters.stents):
             logic.removeStent(parameters)
-        Flow.setKnown(parameters, None)
+        parameters.change({"flow": None})
         for role in ("vessel", "centerline", *OUTPUT_ROLES):
             node = getattr(parameters, role)
             if node is not None:
