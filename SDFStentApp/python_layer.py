@@ -34,7 +34,7 @@ def install_packages(*bases: type) -> None:
     kinds = [one for name, one in vars(module_base).items() if name.startswith("Scripted")]
     classes = {one.__name__: one for one in (*kinds, *bases)}
     _add("slicer.ScriptedLoadableModule", __all__=list(classes), **classes)
-    names = ("parameterNodeWrapper", "parameterPack", "WithinRange", "Choice")
+    names = ("parameterNodeWrapper", "WithinRange")
     _add("slicer.parameterNodeWrapper", **{n: getattr(parameter_node, n) for n in names})
 
 

@@ -183,6 +183,7 @@ class LineEdit(Widget):
 
     edited = "text"
     text = shown("", "textChanged")
+    readOnly = False
 
     def edit(self, value: Any) -> None:
         if isinstance(value, str) and self.enabled:

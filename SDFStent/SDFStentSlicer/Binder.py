@@ -1,5 +1,7 @@
 """Binds widgets to the plan: one whose property `plan` is a path, such as "stents.selected.diameter", shows the value there and sets it.
 
+One whose property `SlicerParameterName` is that of another parameter of the node, such as "autoUpdate", shows and sets that. Slicer 5.10.0
+leaves an observer on the node at every `disconnectGui`, which crashes once nobody holds the parameter node: it is not asked.
 A number behind which " %" or " L/min" stands is shown so, and is a fraction or mL/s in the plan; one with a special text for its least
 value stands for none there. This is the same in Qt and in the page.
 """
@@ -8,7 +10,7 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.plan import parameter_at
 
-from .ParameterNode import SELECTED
+from .ParameterNode import SELECTED, SurfaceMap
 from .PlanFields import (
     CHOICE_LABELS,
     KEPT_LABELS,
@@ -31,6 +33,7 @@ CHOICES[f"{SELECTED}placement"] = [(kind.place, kind.label()) for kind in Placem
 CHOICES[f"{SELECTED}keeps"] = [
     (key, KEPT_LABELS[key]) for key in parameter_at("stents.keeps").names
 ]
+CHOICES["map"] = [(one, one.label()) for one in SurfaceMap]
 CHOICES[f"{SELECTED}shape.cap_height"] = [(1.0, _("Round")), (FLAT, _("Flat"))]
 """By path the values that can be chosen, and their texts."""
 
@@ -45,10 +48,12 @@ class Binder:
         """`attempt(action)` does what is asked for and says why when it cannot be done."""
         self._parameterNode, self._isShowing, self._attempt = None, False, attempt
         widgets = [one for one in vars(ui).values() if hasattr(one, "property")]
-        paths = [(one.property("plan"), one) for one in widgets]
+        names = "plan", "SlicerParameterName"
+        paths = [(one.property(name), one) for name in names for one in widgets]
         self._bound = {path: boundTo(widget, path) for path, widget in paths if path}
         for path, bound in self._bound.items():
-            bound.widget.connect(bound.signal, lambda _value, path=path: self._onChanged(path))
+            if bound.signal:
+                bound.widget.connect(bound.signal, lambda _value, path=path: self._onChanged(path))
 
     def show(self, parameterNode):
         """Show the plan of a parameter node, or with None of none: what is changed then is set nowhere."""
@@ -66,9 +71,8 @@ class Binder:
         if self._isShowing or self._parameterNode is None:
             return
         part = path.rpartition(".")[0]
-        if (
-            self._parameterNode.shown(part) is None
-        ):  # made now: all that is shown of it belongs to it
+        if part and self._parameterNode.shown(part) is None:
+            # It is made now: all that is shown of it belongs to it.
             beside = [one for one in self._bound if one.startswith(f"{part}.")]
             self._parameterNode.change({one: self._bound[one].read() for one in beside})
         else:
@@ -83,9 +87,10 @@ class OfNumber:
 
     def __init__(self, widget, path):
         self.widget = widget
-        self._fromPlan, self._toPlan = UNITS.get(widget.suffix, (float, float))
+        unit = widget.suffix if "." in path else ""  # other parameters are as shown
+        self._fromPlan, self._toPlan = UNITS.get(unit, (float, float))
         self._hasNone = bool(getattr(widget, "specialValueText", ""))
-        limits = RANGES.get(PATHS.get(path))
+        limits = RANGES.get(PATHS.get(path, path))
         if limits is not None:
             widget.minimum, widget.maximum = limits.low, limits.high
         self._first = widget.minimum if self._hasNone else widget.value
@@ -167,6 +172,12 @@ class OfText(OfSwitch):
             self.widget.text = value
 
 
+class OfLabel(OfText):
+    """A text that the user does not change."""
+
+    signal = ""
+
+
 class OfNode(OfSwitch):
     """A node of the scene."""
 
@@ -186,7 +197,8 @@ KINDS = {
     "currentIndex": OfChoice,
     "checked": OfSwitch,
     "value": OfNumber,
-    "text": OfText,
+    "readOnly": OfText,
+    "text": OfLabel,
 }
 """By what only such widgets have, of those that are still left."""
 

@@ -19,11 +19,13 @@ class FlowSection:
         ui.inletComboBox.connect("activated(int)", self._onChosen)
         ui.inletCheckBox.connect("toggled(bool)", lambda isIn: self._set(0.0 if isIn else None))
         ui.inletFlowSpinBox.connect("valueChanged(double)", self._set)
+        ui.installSolverButton.connect("clicked()", lambda: attempt(self._onInstall))
 
     def show(self, parameterNode):
         """The parameter node that is shown now; nothing while the section is closed."""
         if parameterNode is not self._parameterNode:
             self._parameterNode, self._at = parameterNode, 0
+        self._enable(parameterNode)
         if self.ui.flowCollapsibleButton.collapsed:
             return
         flows = Flow.flowsIn(parameterNode)
@@ -60,6 +62,17 @@ class FlowSection:
         if own is None:
             return names[0]
         return _("{name}: {flow:g} L/min").format(name=own, flow=round(flows[own], 2))
+
+    def _enable(self, parameterNode):
+        hasFlow, hasPressure = parameterNode.flowMean > 0, parameterNode.inletPressure > 0
+        for name in ("flowPeak", "splitRight", "inletPressure", "bodySurface"):
+            getattr(self.ui, f"{name}SpinBox").enabled = hasFlow
+        self.ui.wedgePressureSpinBox.enabled = hasFlow and hasPressure
+        self.ui.installSolverButton.visible = Flow.lacksSolver(parameterNode)
+
+    def _onInstall(self):
+        self._logic.installSolver(self._parameterNode)
+        self._parameterNode.status = _("Installed svzerod for the wave.")
 
     def _onOpened(self, isClosed):
         if not isClosed and self._parameterNode is not None:

@@ -17,7 +17,6 @@ from . import (
     Deploying,
     Display,
     Flow,
-    FormerScenes,
     Handles,
     Outputs,
     Plans,
@@ -30,7 +29,8 @@ from .Dragging import Dragging
 from .Exporting import Exporting, Segments
 from .Fitting import Fitting
 from .Inputs import Inputs
-from .ParameterNode import SDFStentParameterNode, stentOf, stentsOf
+from .ParameterNode import stentOf, stentsOf
+from .ParameterSets import ParameterSets
 from .PlanFields import REMEDIES, SIZING
 from .Planning import Planning
 from .Portions import working
@@ -39,11 +39,10 @@ from .Snapping import Snapping
 from .Suggesting import Suggesting
 from .SurfaceOutput import Shown
 
-FIRST_PLAN = "Plan 1"
-
 
 class SDFStentLogic(
-    Planning, Fitting, Suggesting, Alternatives, Segments, Exporting, ScriptedLoadableModuleLogic
+    *(Planning, Fitting, Suggesting, Alternatives, Segments, Exporting, ParameterSets),
+    ScriptedLoadableModuleLogic,
 ):
     """Deploys the stents of a parameter node.
 
@@ -74,49 +73,6 @@ class SDFStentLogic(
         self._shown, self._inputs = {}, Inputs()
         self._snapping, self._previewing, self._dragging = Snapping(), Previewing(), Dragging()
         self._carrying = Carrying()
-
-    def begin(self):
-        """Start anew in a scene with imported content; plans that are singletons, as in former versions, are no longer."""
-        self.forget()
-        for node in self.getAllParameterNodes():
-            if node.IsSingleton():
-                self._takeOutOfSingletons(node)
-
-    @staticmethod
-    def _takeOutOfSingletons(node):
-        """Put a node with another ID in a node's place: MRML takes the ID of a singleton for one, with or without its tag."""
-        scene, copy = node.GetScene(), node.CreateNodeInstance()
-        copy.UnRegister(None)
-        copy.Copy(node)
-        copy.SetSingletonTag(None)
-        scene.RemoveNode(node)
-        scene.AddNode(copy)
-
-    def getParameterNode(self):
-        """The parameters that the panel starts with."""
-        return self.parameterSet(super().getParameterNode())
-
-    def createParameterNode(self):
-        """The node of the first plan in a scene."""
-        node = super().createParameterNode()
-        node.SetName(slicer.mrmlScene.GenerateUniqueName(_(FIRST_PLAN)))
-        return node
-
-    def parameterSet(self, node):
-        """The parameters in a `vtkMRMLScriptedModuleNode`, always the same object for the same node."""
-        wrapper = self._wrappers.get(node.GetID())
-        if wrapper is None or wrapper.parameterNode is not node:
-            FormerScenes.takeOver(node)
-            wrapper = self._wrappers[node.GetID()] = SDFStentParameterNode(node)
-        return wrapper
-
-    def addParameterSet(self, name):
-        """Another plan in the same scene, with inputs, stents and outputs of its own; returns its parameters."""
-        node = slicer.mrmlScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
-        node.UnRegister(None)
-        node.SetName(slicer.mrmlScene.GenerateUniqueName(name))
-        node.SetAttribute("ModuleName", self.moduleName)
-        return self.parameterSet(slicer.mrmlScene.AddNode(node))
 
     # The plan
 

@@ -18,7 +18,7 @@ from SDFStentLib.plan import value_at, value_in_use
 from SDFStentLib.report import WARNING
 from SDFStentLib.validation import one_line, printable
 
-from . import Charts, Conversion, Flow, FormerScenes, Outputs, Showing, Tiles
+from . import Charts, Conversion, Flow, FormerScenes, Showing, Tiles
 from .PanelParts import cut
 from .ParameterNode import methodOf, stentOf, stentsOf
 from .PlanFields import DEFAULTS, METHOD, METHOD_PARAMETERS, Placement
@@ -169,65 +169,9 @@ class PanelState:
         hasStents = len(stentsOf(parameterNode)) > 0
         self.ui.placeWidget.setCurrentNode(stentOf(parameterNode).handle if hasStents else None)
         self.steps.show(parameterNode)
-        self._showSegments(parameterNode)
         self._reach(parameterNode)
-        self.offer(parameterNode)
         self.enable(parameterNode)
         self._logic.updateDisplay(parameterNode)
-
-    def _showSegments(self, parameterNode):
-        vessel, selector = parameterNode.vessel, self.ui.segmentSelector
-        isSegmentation = vessel is not None and vessel.IsA("vtkMRMLSegmentationNode")
-        selector.visible = isSegmentation  # with a label of its own
-        wasBlocked = selector.blockSignals(True)  # it says that the first segment was chosen
-        selector.setCurrentNode(vessel if isSegmentation else None)
-        selector.setCurrentSegmentID(parameterNode.segmentID)
-        selector.blockSignals(wasBlocked)
-
-    @staticmethod
-    def chooseOnly(parameterNode, hasNew=False):
-        """Choose the only wall and the only lines of a scene, where nothing is chosen: there is nothing to ask.
-
-        Where there is something new, either for itself.
-        """
-        models = slicer.util.getNodesByClass("vtkMRMLModelNode")
-        inputs = [
-            one
-            for one in models
-            if not one.GetHideFromEditors() and one.GetAttribute(Outputs.ATTRIBUTE) is None
-        ]
-        walls, lines = (
-            [one for one in inputs if isIt(one)]
-            for isIt in (Conversion.hasWall, Conversion.hasLines)
-        )
-        others = slicer.util.getNodesByClass("vtkMRMLSegmentationNode")
-        isChosen = parameterNode.vessel is not None or parameterNode.centerline is not None
-        isClear = len(walls) == len(lines) == 1 and not isChosen
-        if others or walls == lines or not (hasNew or isClear):
-            return
-        with slicer.util.NodeModify(parameterNode):
-            if parameterNode.vessel is None and len(walls) == 1:
-                parameterNode.vessel = walls[0]
-            if parameterNode.centerline is None and len(lines) == 1:
-                parameterNode.centerline = lines[0]
-
-    def offer(self, parameterNode):
-        """Offer no results, lines or walls where they are no inputs, unless one is chosen already. An empty model may become either."""
-        models = slicer.util.getNodesByClass("vtkMRMLModelNode")
-        results = [one for one in models if one.GetAttribute(Outputs.ATTRIBUTE) is not None]
-        isWall, isLine = Conversion.hasWall, Conversion.hasLines
-        for name, isIt, isOther in (
-            ("vessel", isWall, isLine),
-            ("centerline", isLine, isWall),
-            ("deviceMesh", isWall, isLine),
-        ):
-            others = [one for one in models if isOther(one) and not isIt(one)]
-            selector = getattr(self.ui, name + "Selector")
-            chosen = getattr(parameterNode, name), selector.currentNode()  # which may follow yet
-            hidden = [one.GetID() for one in {*results, *others}.difference(chosen)]
-            offered = selector.sortFilterProxyModel()
-            if set(offered.hiddenNodeIDs) != set(hidden):
-                offered.hiddenNodeIDs = hidden
 
     def _reach(self, parameterNode):
         """Sliders reach as far as makes sense, for this vessel or as designed, and farther where the value that is set does."""
@@ -281,11 +225,6 @@ class PanelState:
         self.ui.savePlanButton.enabled = not missing
         self.ui.showPlotButton.enabled = parameterNode.outputChart is not None
         self.ui.showTableButton.enabled = parameterNode.outputTable is not None
-        hasFlow, hasPressure = parameterNode.flowMean > 0, parameterNode.inletPressure > 0
-        for name in ("flowPeak", "splitRight", "inletPressure", "bodySurface"):
-            getattr(self.ui, f"{name}SpinBox").enabled = hasFlow
-        self.ui.wedgePressureSpinBox.enabled = hasFlow and hasPressure
-        self.ui.installSolverButton.visible = Flow.lacksSolver(parameterNode)
         self.ui.warningLabel.visible = bool(parameterNode.warningSummary)
         self._tell(parameterNode, standing, isBefore)
 

@@ -170,7 +170,10 @@ class SDFStentParameterNode:
                 self._refer(role, node)
 
     def put(self, path, value):
-        """Set a value of the plan and what follows from it, as the library says of the selected stent."""
+        """Set a value of the plan and what follows from it, as the library says of the selected stent; or another parameter."""
+        if hasattr(self, path):
+            setattr(self, path, value)
+            return
         values = {path: value}
         if path.startswith(SELECTED) and path != f"{SELECTED}handle":
             changes = set_value(self.stent.draft, path.removeprefix(SELECTED), value)
@@ -178,7 +181,9 @@ class SDFStentParameterNode:
         self.change(values)
 
     def shown(self, path):
-        """The value at a path as it is in use, as of a length that a device has."""
+        """The value at a path as it is in use, as of a length that a device has; or that of another parameter."""
+        if hasattr(self, path):
+            return getattr(self, path)
         if path.startswith(SELECTED) and path != f"{SELECTED}handle":
             return value_in_use(stentOf(self).draft, path.removeprefix(SELECTED))
         return self.get(path)

@@ -118,8 +118,8 @@ class SceneEvents:
 
     def _offer(self):
         if self._parameterNode is not None:
-            self._state.chooseOnly(self._parameterNode, hasNew=True)
-            self._state.offer(self._parameterNode)
+            self.vessel.chooseOnly(self._parameterNode, hasNew=True)
+            self.vessel.show(self._parameterNode)
 
     @calldata_type(VTK_OBJECT)
     def onNodeAboutToBeRemoved(self, caller, event, node):

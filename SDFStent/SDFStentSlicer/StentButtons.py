@@ -10,7 +10,7 @@ from . import Clock, Conversion
 from .Desktop import desktop
 from .Dragging import VIEW_ATTRIBUTE, rayThrough
 from .Handles import CURVE
-from .ParameterNode import stentOf
+from .ParameterNode import stentOf, stentsOf
 from .PlanFields import Placement
 from .Portions import SteppedRun, working
 
@@ -128,6 +128,29 @@ class StentButtons:
             Placing(self.ui.placeWidget, self._neededPoints, self._onPlaced),
             Placing(self.ui.segmentPlaceWidget, endsNeeded, lambda *_: None),
         ]
+
+    def onHandleMoved(self, handle):
+        if self._parameterNode is not None:
+            self.logic.leadHandle(self._parameterNode, handle)
+
+    def onHandleGrabbed(self, handle):
+        """Edit the stent that the mouse takes; keys move it on, and remove it, not the point in the view."""
+        handles = [stent.handle for stent in stentsOf(self._parameterNode)]
+        if handle in handles and handle is not handles[self._parameterNode.selected]:
+            self.stents.select(handles.index(handle))
+        if handle in handles:
+            self._attempt(lambda: self.logic.freePlace(self._parameterNode))
+        self.ui.stentTable.setFocus()
+
+    def onHandleReleased(self, handle):
+        if self._parameterNode is not None:
+            self._attempt(lambda: self.logic.snapHandle(self._parameterNode, handle))
+
+    def _onSelectStent(self, row):
+        self.stents.select(row)
+
+    def _onEnableStent(self, row, enabled):
+        self.stents.enable(row, enabled)
 
     def _moveStent(self, distance):
         if len(self.stents):

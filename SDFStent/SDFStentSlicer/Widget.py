@@ -3,12 +3,11 @@
 import logging
 
 import slicer
-from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
 from slicer.util import VTKObservationMixin
 from vtkmodules.vtkCommonCore import vtkCommand
 
-from . import Clock, Conversion, ExtractCenterline, Outputs, Showing
+from . import Clock, Outputs, Showing
 from .Binder import Binder
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
@@ -18,7 +17,7 @@ from .History import HistoryButtons
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
 from .LowWindow import LowWindow
-from .PanelParts import GuiBinding, PanelSize
+from .PanelParts import PanelSize
 from .PanelState import PanelState
 from .ParameterNode import stentsOf
 from .PlaceSection import PlaceSection
@@ -32,6 +31,7 @@ from .StentEnds import StentEnds
 from .StentList import StentList
 from .StentTable import StentTable
 from .TypedNumbers import TypedNumbers
+from .VesselSection import VesselSection
 
 RECOIL_MS = 250
 """A stent has to rest so long for its recoil by the rule."""
@@ -47,9 +47,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.session = self.stents = self.binder = self.table = self.lesions = self.plans = (
             self._state
         ) = None
-        self._size = self._typed = self._parameterNode = self._binding = self._lastSet = (
-            self._leavings
-        ) = None
+        self._size = self._typed = self._parameterNode = self._lastSet = self._leavings = None
         self._present, self._chosen, self._timers = [], None, []
         self._inputs = InputWatch(
             self.onInputModified, self.onHandleGrabbed, self.onHandleReleased, self.onHandleMoved
@@ -87,6 +85,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._size, self._typed = PanelSize(uiWidget), TypedNumbers(uiWidget, self._attempt)
         self._state = PanelState(self.ui, self.logic, self.session, self._size)
         self.binder = Binder(self.ui, self._attempt)
+        self.vessel = VesselSection(self.ui, self._attempt)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(
             self.ui,
@@ -129,7 +128,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._added.stop()  # what came before is no news
         self.window.enter()
         self.initializeParameterNode()
-        self._state.chooseOnly(self._parameterNode)
+        self.vessel.chooseOnly(self._parameterNode)
 
     def exit(self):
         self.setParameterNode(None)
@@ -167,7 +166,6 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         if parameterNode is self._parameterNode:
             return
         if self._parameterNode is not None:
-            self._binding.release()
             self.removeObserver(
                 self._parameterNode.parameterNode,
                 vtkCommand.ModifiedEvent,
@@ -183,6 +181,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.session.setParameterNode(parameterNode)
         self.stents = None
         self.binder.show(None)
+        self.vessel.show(None)
         self.lesions.follow(parameterNode)
         self.recoil.follow(*self.logic.recoilStanding(parameterNode))
         self.plans.show(None)
@@ -197,7 +196,6 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             self.ui.outputSelector.sortFilterProxyModel().hiddenNodeIDs = taken
             self._chosen = parameterNode.vessel, parameterNode.centerline
             self.stents = StentList(parameterNode)
-            self._binding = GuiBinding(parameterNode, self.ui)
             self.addObserver(
                 parameterNode.parameterNode,
                 vtkCommand.ModifiedEvent,
@@ -208,6 +206,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     def onParameterNodeModified(self, caller=None, event=None):
         if self._parameterNode is None:
             return
+        self.vessel.show(self._parameterNode)  # first: what is not offered cannot be shown
         self.binder.show(self._parameterNode)
         chosen = self._parameterNode.vessel, self._parameterNode.centerline
         if chosen != self._chosen:
@@ -241,23 +240,6 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     def _carry(self):
         if self._parameterNode is not None and self.logic.carry(self._parameterNode):
             self.sections[0].restart()
-
-    def onHandleMoved(self, handle):
-        if self._parameterNode is not None:
-            self.logic.leadHandle(self._parameterNode, handle)
-
-    def onHandleGrabbed(self, handle):
-        """Edit the stent that the mouse takes; keys move it on, and remove it, not the point in the view."""
-        handles = [stent.handle for stent in stentsOf(self._parameterNode)]
-        if handle in handles and handle is not handles[self._parameterNode.selected]:
-            self.stents.select(handles.index(handle))
-        if handle in handles:
-            self._attempt(lambda: self.logic.freePlace(self._parameterNode))
-        self.ui.stentTable.setFocus()
-
-    def onHandleReleased(self, handle):
-        if self._parameterNode is not None:
-            self._attempt(lambda: self.logic.snapHandle(self._parameterNode, handle))
 
     def _requestUpdate(self):
         if self._parameterNode is None:
@@ -293,11 +275,6 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.ui.parameterSetSelector.connect(
             "currentNodeChanged(vtkMRMLNode*)", self.onParameterSetSelected
         )
-        self.ui.extractButton.connect("clicked()", lambda: self._attempt(self.onExtract))
-        self.ui.segmentSelector.connect("currentSegmentChanged(QString)", self.onSegmentChanged)
-        self.ui.installSolverButton.connect(
-            "clicked()", lambda: self._attempt(self.onInstallSolver)
-        )
         self.ui.deployButton.connect("clicked()", self.onDeploy)
         self.ui.cancelButton.connect("clicked()", self.onCancel)
         self.ui.beforeButton.connect("clicked()", self.onBefore)
@@ -315,28 +292,6 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             "clicked()", lambda: self.logic.restoreMethod(self._parameterNode)
         )
         self._connectStents()
-
-    def onExtract(self):
-        vessel = self._parameterNode.vessel
-        ExtractCenterline.openFor(vessel, Conversion.segmentOf(self._parameterNode))
-
-    def onInstallSolver(self):
-        self.logic.installSolver(self._parameterNode)
-        self._parameterNode.status = _("Installed svzerod for the wave.")
-        self._requestUpdate()
-        self._state.enable(self._parameterNode)
-
-    def onSegmentChanged(self, segmentID):
-        """Take the user's choice; what the selector says of another node, which it went to by itself, is none."""
-        vessel = self._parameterNode.vessel if self._parameterNode is not None else None
-        if vessel is not None and segmentID and self.ui.segmentSelector.currentNode() is vessel:
-            self._parameterNode.segmentID = segmentID
-
-    def _onSelectStent(self, row):
-        self.stents.select(row)
-
-    def _onEnableStent(self, row, enabled):
-        self.stents.enable(row, enabled)
 
     def _onSelectLesion(self, lesion):
         self.logic.showLesion(lesion)

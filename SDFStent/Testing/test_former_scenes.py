@@ -146,3 +146,10 @@ def test_every_bound_widget_has_a_value_of_the_plan(aPanel):
             if number < len(parts) - 1:
                 inner = kind[part]
                 kind = (inner.get("anyOf") or [inner])[0]["properties"]
+
+
+def test_every_other_bound_widget_has_a_parameter_of_the_node(aPanel):
+    widgets = [one for one in vars(aPanel.ui).values() if hasattr(one, "property")]
+    names = [name for one in widgets if (name := one.property("SlicerParameterName"))]
+    assert len(names) == len(set(names)) >= 15
+    assert set(names) <= set(aPanel._parameterNode.allParameters)
