@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tube_files import write_wall
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
@@ -115,8 +116,7 @@ def the_folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("folder")
     (folder / "cm").mkdir()
     artery = branching_pulmonary_artery()
-    wall = polydata_from_arrays(artery.points / 10, artery.triangles)
-    (folder / "cm" / "wall.vtp").write_bytes(encode_vtp(wall))
+    write_wall(folder / "cm" / "wall.vtp", artery.points / 10, artery.triangles)
     line = artery.centerline
     paths = [line.ancestry(leaf) for leaf in line.leaves]
     lines = polydata_from_lines(line.points / 10, paths)
@@ -133,8 +133,7 @@ def the_folder(tmp_path_factory):
     plan = {**plan, "stents": [stent], "settings": {}}
     (folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
     tube = straight_tube(radius=4.0, length=12.0, edge_length=2.0)
-    mesh = polydata_from_arrays(tube.points - [0, 0, 6], tube.triangles)
-    (folder / "mesh.vtp").write_bytes(encode_vtp(mesh))
+    write_wall(folder / "mesh.vtp", tube.points - [0, 0, 6], tube.triangles)
     (folder / "damaged.vtp").write_text("<VTKFile type='PolyData'><PolyData>", encoding="utf-8")
     return folder
 

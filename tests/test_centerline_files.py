@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from mesh_files import assert_refused_by_name, octahedron
+from tube_files import write_wall
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
@@ -14,7 +15,6 @@ from SDFStentLib.files import (
     check_line_output,
     encode_vtp,
     in_frame_of,
-    polydata_from_arrays,
     polydata_from_lines,
     read_axis,
     read_centerline,
@@ -195,7 +195,7 @@ def test_the_polydata_is_a_copy_in_unit_and_frame_of_the_file(tmp_path):
 
 
 def test_bad_files_give_one_sentence_with_their_name(tmp_path):
-    (tmp_path / "points.vtp").write_bytes(encode_vtp(polydata_from_arrays(*octahedron())))
+    write_wall(tmp_path / "points.vtp", *octahedron())
     saved(tmp_path, [[3]], "one.vtp")
     saved(tmp_path, [[3, 3]], "same.vtp")
     saved(tmp_path, [[0, 1]], "nan.vtp", points=np.eye(3))

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from child_processes import COMMAND, PATIENCE, PROJECT, begun, ended
 from polydata_cases import read_by_vtk
-from tube_files import PLACE, deploy, write_tube, write_vessel
+from tube_files import PLACE, deploy, write_line, write_tube, write_vessel, write_wall
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 import SDFStentLib.cli.demo
@@ -258,8 +258,7 @@ def test_check_tells_sound_surfaces_from_others(a_folder, capsys):
     points = vessel.points.copy()
     points[np.argmin(np.abs(points[:, 2] - 20) - points[:, 0] * 1e-6)] += (40.0, 0, 0)
     crossed = np.where(np.arange(len(points))[:, None] % 50 == 3, -points, points)
-    data = polydata_from_arrays(crossed, vessel.triangles)
-    Path("bad.vtp").write_bytes(encode_vtp(data))
+    write_wall(Path("bad.vtp"), crossed, vessel.triangles)
     assert main(["check", "bad.vtp", "--json"]) == 3
     document = json.loads(capsys.readouterr().out)
     assert document["self_intersecting_triangles"]
@@ -298,8 +297,7 @@ def test_an_axis_alone_tells_the_branches_that_the_stent_covers(tmp_path, capsys
     set_face_names(surface, made.faces.names)
     for name, positions in (("across", (14, 30)), ("distal", (50, 58))):
         points = made.axis_at(np.linspace(*positions, 30))
-        line = polydata_from_lines(points, [np.arange(30)])
-        Path(f"{name}.vtp").write_bytes(encode_vtp(line))
+        write_line(Path(f"{name}.vtp"), points)
     Path("artery.vtp").write_bytes(encode_vtp(surface))
     for axis, words in (
         ("across", "1 covered: right pulmonary artery (fully)"),

@@ -5,9 +5,10 @@ import json
 import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube
+from tube_files import write_line, write_wall
 
 from benchmarks.phantoms import stenosed_tube
-from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_surface
+from SDFStentLib.files import read_surface
 
 ALONG_CAPS = ["--diameter", "8.6", "--tissue-gap", "0", "--capsule", "20"]
 """A straight capsule pushes points of a cap out along rays, some of them to one place."""
@@ -23,8 +24,7 @@ def heights(surface):
 
 
 def write(path, points, triangles):
-    data = polydata_from_arrays(np.asarray(points, np.float32), np.asarray(triangles))
-    path.write_bytes(encode_vtp(data))
+    write_wall(path, np.asarray(points, np.float32), np.asarray(triangles))
 
 
 def strip(turns, count=24):
@@ -51,8 +51,7 @@ def coarse_tube(tmp_path_factory):
     vessel = stenosed_tube(edge_length=1.5)
     write(folder / "tube.vtp", vessel.points, vessel.triangles)
     line = vessel.centerline.points
-    data = polydata_from_lines(line, [np.arange(len(line))])
-    (folder / "axis.vtp").write_bytes(encode_vtp(data))
+    write_line(folder / "axis.vtp", line)
     return folder
 
 
@@ -215,8 +214,7 @@ def test_a_certificate_tells_of_winding_that_the_input_had(shell, tmp_path, kind
         points = np.vstack([points, strip_points * 2 + [0, 0, 20]])
         words = "one-sided"
     write(tmp_path / "tube.vtp", points, triangles)
-    data = polydata_from_lines([[0, 0, 10], [0, 0, 30]], [np.arange(2)])
-    (tmp_path / "axis.vtp").write_bytes(encode_vtp(data))
+    write_line(tmp_path / "axis.vtp", [[0, 0, 10], [0, 0, 30]])
     run = shell(
         "deploy", "tube.vtp", "--axis", "axis.vtp", "--diameter", "9", "-o", "out.vtp",
         "--report", "out.json", folder=tmp_path,

@@ -7,10 +7,9 @@ import re
 import numpy as np
 import pytest
 from cohort_cases import document as sweep_document
-from tube_files import plan_of
+from tube_files import plan_of, write_line, write_wall
 
 from benchmarks.phantoms import stenosed_tube
-from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
 from SDFStentLib.geometry import Surface
 from SDFStentLib.report import measured_lines, result_tiles
 from SDFStentLib.stent import Stent
@@ -57,10 +56,8 @@ def test_a_stent_at_a_lesion_covers_it_however_long_it_is(seed):
 def a_rough_folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rough")
     surface, centerline = rough(540)
-    data = polydata_from_arrays(surface.points, surface.triangles)
-    (folder / "tube.vtp").write_bytes(encode_vtp(data))
-    line = polydata_from_lines(centerline.points, [np.arange(len(centerline.points))])
-    (folder / "line.vtp").write_bytes(encode_vtp(line))
+    write_wall(folder / "tube.vtp", surface.points, surface.triangles)
+    write_line(folder / "line.vtp", centerline.points)
     return folder
 
 

@@ -5,12 +5,12 @@ import time
 import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube, read_vtk
-from tube_files import deploy
+from tube_files import deploy, write_wall
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.files import encode_vtp, polydata_from_arrays, surface_from_polydata
+from SDFStentLib.files import polydata_from_arrays, surface_from_polydata
 from SDFStentLib.files.composition import composition_warnings
 from SDFStentLib.geometry import Line
 from SDFStentLib.treatment import Vessel
@@ -78,10 +78,8 @@ def test_one_on_the_line_invents_no_lesion_and_is_told():
 @pytest.mark.parametrize("place", [(0.0, 0.0), (1.2, 0.4), (0.3, -0.9)])
 def test_a_stent_opens_the_wall_as_if_none_were_there(a_folder, place):
     points, triangles = with_islands(TUBE.points, TUBE.triangles, (*place, 18.0, 0.5))
-    data = polydata_from_arrays(points / 10, triangles)
-    (a_folder / "island.vtp").write_bytes(encode_vtp(data))
-    whole = polydata_from_arrays(TUBE.points / 10, TUBE.triangles)
-    (a_folder / "tube.vtp").write_bytes(encode_vtp(whole))
+    write_wall(a_folder / "island.vtp", points / 10, triangles)
+    write_wall(a_folder / "tube.vtp", TUBE.points / 10, TUBE.triangles)
     assert deploy("--arrays", surface="island.vtp") == 0
     assert deploy(out="alone.vtp") == 0
     after, alone = (

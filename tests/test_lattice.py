@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from polydata_cases import read_by_vtk
-from tube_files import deploy, plan_of
+from tube_files import deploy, plan_of, write_wall
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from benchmarks.phantoms import straight_tube
 from SDFStentLib.cli import main
-from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface
+from SDFStentLib.files import read_surface
 from SDFStentLib.geometry import Line, carried
 from SDFStentLib.stent import (
     AlongAxis,
@@ -176,8 +176,7 @@ def test_the_stents_of_a_plan_are_told_apart_and_open_cells_drawn_open(a_folder)
 def test_a_straight_mesh_of_ones_own_is_laid_where_the_stent_is(a_folder):
     body = straight_tube(radius=2.0, length=16.0, edge_length=1.0)
     centered = body.points - [0, 0, 8]
-    data = polydata_from_arrays(centered / 10, body.triangles)
-    Path("mesh.vtp").write_bytes(encode_vtp(data))
+    write_wall(Path("mesh.vtp"), centered / 10, body.triangles)
     assert deploy("--export-device", "d.vtp", "--device-mesh", "mesh.vtp", "--quiet") == 0
     made = read_surface("d.vtp", "cm")
     np.testing.assert_array_equal(made.surface.triangles, body.triangles)

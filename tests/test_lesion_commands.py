@@ -9,11 +9,11 @@ from html import unescape
 import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy
-from tube_files import write_vessel
+from tube_files import write_line, write_vessel, write_wall
 
 from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.cli import main
-from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_surface
+from SDFStentLib.files import encode_vtp, polydata_from_lines, read_surface
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.stent import AtDistalEnd, Stent, stent_axis
@@ -273,7 +273,7 @@ def test_an_axis_that_is_half_outside_gets_its_sentence_in_deploy_and_run(tube, 
     """Of 60 mm of tube; `run` dropped the sentence."""
     axis, plan = tmp_path / "axis.vtp", tmp_path / "plan.json"
     line = np.linspace([0, 0, 2.0], [0, 0, 9.0], 71)
-    axis.write_bytes(encode_vtp(polydata_from_lines(line, [np.arange(71)])))
+    write_line(axis, line)
     words = ["deploy", tube[0], "--units", "cm", "--axis", axis, "--diameter", 6]
     assert main([str(w) for w in [*words, "-o", tmp_path / "o.vtp", "--save-plan", plan]]) in (0, 3)
     assert "42 % of its points lie outside of" in capsys.readouterr().err
@@ -337,8 +337,7 @@ def test_triangles_that_share_no_points_are_refused_for_what_they_are(folder, tu
     corners = surface.points[surface.triangles] / 10
     middles = corners.mean(axis=1, keepdims=True)
     corners = (middles + 0.9 * (corners - middles)).reshape(-1, 3)
-    apart = polydata_from_arrays(corners, np.arange(len(corners)).reshape(-1, 3))
-    (folder / "apart.vtp").write_bytes(encode_vtp(apart))
+    write_wall(folder / "apart.vtp", corners, np.arange(len(corners)).reshape(-1, 3))
     wanted = folder / "apart_out.vtp"
     stent = ["--at-lesion", "1", "--diameter", "5", "--length", "14", "-o", str(wanted)]
     for command in (["measure"], ["deploy", *stent]):
@@ -354,8 +353,7 @@ def test_ends_to_which_no_line_leads_are_told(folder, capsys):
     assert main(["measure", *options]) == 0
     assert "no line" not in capsys.readouterr().err
     path = tree.points[tree.ancestry(int(tree.leaves[0]))]
-    one = polydata_from_lines(path / 10, [np.arange(len(path))])
-    (folder / "one_line.vtp").write_bytes(encode_vtp(one))
+    write_line(folder / "one_line.vtp", path / 10)
     options[2] = str(folder / "one_line.vtp")
     assert main(["measure", *options]) == 0
     assert "To 1 of the 3 ends of the surface no line" in capsys.readouterr().err

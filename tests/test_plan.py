@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tube_files import write_vessel
+from tube_files import write_line, write_vessel
 
 from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import (
     encode_vtp,
     polydata_from_arrays,
-    polydata_from_lines,
     set_frame_of_polydata,
 )
 from SDFStentLib.plan import (
@@ -95,8 +94,7 @@ def a_patient(tmp_path_factory):
     folder = tmp_path_factory.mktemp("patient")
     vessel = branching_pulmonary_artery(edge_length=1.1)
     write_vessel(folder, vessel, "surface.vtp", "centerline.vtp", per_mm=1)
-    axis = polydata_from_lines(vessel.axis_at(np.arange(20.0, 41.0)), [np.arange(21)])
-    (folder / "axis.vtp").write_bytes(encode_vtp(axis))
+    write_line(folder / "axis.vtp", vessel.axis_at(np.arange(20.0, 41.0)))
     return folder, vessel
 
 

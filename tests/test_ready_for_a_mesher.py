@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from cohort_cases import document as sweep_document
-from tube_files import plan_of, write_tube
+from tube_files import plan_of, write_tube, write_wall
 
 from benchmarks.phantoms import stenosed_tube
 from SDFStentLib.certificate import (
@@ -18,7 +18,7 @@ from SDFStentLib.certificate import (
     check_surface,
 )
 from SDFStentLib.deformation import Deployment, DeploymentSettings
-from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface
+from SDFStentLib.files import read_surface
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.report import measured_lines, result_tiles
 from SDFStentLib.stent import AtCenter, Stent
@@ -177,8 +177,7 @@ def a_spoiled_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     surface = read_surface("tube.vtp", "cm").surface
     triangles = np.vstack([surface.triangles, surface.triangles[:3]])
-    data = polydata_from_arrays(np.asarray(surface.points / 10, np.float32), triangles)
-    (tmp_path / "tube.vtp").write_bytes(encode_vtp(data))
+    write_wall(tmp_path / "tube.vtp", np.asarray(surface.points / 10, np.float32), triangles)
     return tmp_path
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cohort_cases import document, tube_folder, write_sweep
 from test_devices import ROW, SHORT, a_table
-from tube_files import INPUTS
+from tube_files import INPUTS, write_wall
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from benchmarks.phantoms import stenosed_tube, straight_tube
@@ -95,8 +95,7 @@ def bad_files(folder):
     (folder / "own.json").write_text(a_table(ROW, SHORT), encoding="utf-8")
     write_sweep(folder)
     healthy = straight_tube(edge_length=1.0)
-    data = polydata_from_arrays(healthy.points / 10, healthy.triangles)
-    (folder / "healthy.vtp").write_bytes(encode_vtp(data))
+    write_wall(folder / "healthy.vtp", healthy.points / 10, healthy.triangles)
 
 
 TOO_LONG = "csv: expected rows of fraction,diameter, got what is none (field larger than field"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube, read_vtk
 from scipy.spatial import cKDTree
-from tube_files import deploy
+from tube_files import deploy, write_wall
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 
@@ -46,7 +46,7 @@ def same_shape(one, other):
 @pytest.mark.parametrize("suffix", [".vtp", ".vtk", ".ply", ".obj"])
 def test_parts_whose_rims_lie_on_each_other_are_one_surface(tmp_path, parts, suffix):
     points, triangles, source = apart(TUBE.points.astype("f4"), TUBE.triangles, PARTS[parts])
-    (tmp_path / "parts.vtp").write_bytes(encode_vtp(polydata_from_arrays(points, triangles)))
+    write_wall(tmp_path / "parts.vtp", points, triangles)
     apart_file = read_surface(tmp_path / "parts.vtp")
     write_surface(tmp_path / f"again{suffix}", apart_file, apart_file.points)
     read = read_surface(tmp_path / f"again{suffix}")
@@ -142,7 +142,7 @@ def test_a_file_of_two_pieces_is_one_surface(tmp_path):
 
 def test_check_says_that_a_mesher_needs_the_seams_merged_and_how(a_folder, capsys):
     points, triangles, _ = apart(TUBE.points / 10, TUBE.triangles, PARTS["slabs"])
-    (a_folder / "parts.vtp").write_bytes(encode_vtp(polydata_from_arrays(points, triangles)))
+    write_wall(a_folder / "parts.vtp", points, triangles)
     assert main(["check", "parts.vtp", "--units", "cm"]) == 0
     said, warned = capsys.readouterr()
     count = len(points) - len(TUBE.points)
@@ -306,8 +306,7 @@ def test_cells_with_a_hidden_point_are_left_out(tmp_path):
 
 def test_nothing_but_ghosts_is_refused(tmp_path):
     marks = np.ones(len(TUBE.triangles), dtype=np.uint8)
-    data = polydata_from_arrays(TUBE.points, TUBE.triangles, None, {"vtkGhostType": marks})
-    (tmp_path / "ghosts.vtp").write_bytes(encode_vtp(data))
+    write_wall(tmp_path / "ghosts.vtp", TUBE.points, TUBE.triangles, None, {"vtkGhostType": marks})
     with pytest.raises(InputError, match=f"got {len(marks)} ghost cells and nothing else"):
         read_surface(tmp_path / "ghosts.vtp")
 
@@ -334,8 +333,7 @@ def doubled(kind):
 )
 def test_what_is_there_twice_is_one_wall_and_a_mesher_is_told(a_folder, capsys, kind):
     points, triangles = doubled(kind)
-    data = polydata_from_arrays(0.1 * points, triangles)
-    (a_folder / "twice.vtp").write_bytes(encode_vtp(data))
+    write_wall(a_folder / "twice.vtp", 0.1 * points, triangles)
     read = read_surface(a_folder / "twice.vtp", "cm")
     extra = len(triangles) - len(TUBE.triangles)
     assert same_shape(read.surface.topology, TUBE.surface.topology)

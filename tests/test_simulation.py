@@ -16,13 +16,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mesh_files import read_vtk
+from tube_files import write_line, write_wall
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from benchmarks.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.certificate import check_surface, smallest_angles
 from SDFStentLib.cli import flow as commands
 from SDFStentLib.cli import main
-from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_volume
+from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_volume
 from SDFStentLib.files.formats import decode_vtu, encode_vtu
 from SDFStentLib.flow import Wave
 from SDFStentLib.geometry import Surface, SurfaceIndex, signed_volume
@@ -56,10 +57,9 @@ def write_vessel(folder):
         [*2 * [radius_after(points[:, 2]) / RADIUS], 1 + 0 * points[:, 2]]
     )
     for name, one in (("before", points), ("after", wider)):
-        (folder / f"{name}.vtp").write_bytes(encode_vtp(polydata_from_arrays(one, triangles)))
+        write_wall(folder / f"{name}.vtp", one, triangles)
     line = tube.centerline.points
-    data = polydata_from_lines(line, [np.arange(len(line))])
-    (folder / "line.vtp").write_bytes(encode_vtp(data))
+    write_line(folder / "line.vtp", line)
 
 
 def simulate(*more, out="sim", after="after.vtp", known=KNOWN):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from mesh_files import assert_refused_by_name, octahedron, open_tube
+from tube_files import write_line, write_wall
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from benchmarks.phantoms import branching_pulmonary_artery
@@ -138,10 +139,10 @@ def test_lines_far_from_their_wall_are_told_to_be_so_before_a_tree_is_made_of_th
 ):
     """Without radii the wall tells how wide the lumen is: far from it all lines seem to be one."""
     surface = tmp_path / "surface.vtp"
-    surface.write_bytes(encode_vtp(polydata_from_arrays(*moved_tube())))
+    write_wall(surface, *moved_tube())
     points = factor * axis() * (turn, turn, 1)
     line = tmp_path / "line.vtp"
-    line.write_bytes(encode_vtp(polydata_from_lines(points, [np.arange(len(points))])))
+    write_line(line, points)
     with pytest.raises(InputError, match=f"expected it inside .*surface.vtp, .*{words}"):
         read_input_files(surface, line)
 

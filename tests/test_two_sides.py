@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mesh_files import read_vtk
 from scipy.spatial import cKDTree
-from tube_files import deploy
+from tube_files import deploy, write_wall
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from benchmarks import phantoms
@@ -12,7 +12,7 @@ from benchmarks.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings, Proxy
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface, surface_from_polydata
+from SDFStentLib.files import polydata_from_arrays, read_surface, surface_from_polydata
 from SDFStentLib.geometry import Surface, boundary_edges, compacted, vertex_normals
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, Vessel
@@ -77,8 +77,7 @@ def test_a_stent_in_a_wall_is_the_one_in_its_lumen_and_the_wall_stays_a_wall(a_f
     number = np.arange(len(faces))
     for name, made in (("wall", (both, faces)), ("lumen", (points, triangles))):
         rows = number[: len(made[1])]
-        data = polydata_from_arrays(made[0] / 10, made[1], None, {"number": rows})
-        (a_folder / f"{name}.vtp").write_bytes(encode_vtp(data))
+        write_wall(a_folder / f"{name}.vtp", made[0] / 10, made[1], None, {"number": rows})
     assert main(["check", "wall.vtp", "--units", "cm"]) == 0
     assert deploy("--arrays", surface="wall.vtp") == 0
     assert deploy(surface="lumen.vtp", out="alone.vtp") == 0
@@ -187,8 +186,7 @@ def test_a_solid_with_round_ends_is_refused_for_what_it_is(a_folder, capsys):
         faces = np.concatenate(
             [faces, np.stack([low[a], low[b], high[b]], 1), np.stack([low[a], high[b], high[a]], 1)]
         )
-    data = polydata_from_arrays(np.concatenate([both, drawn]) / 10, faces)
-    (a_folder / "round.vtp").write_bytes(encode_vtp(data))
+    write_wall(a_folder / "round.vtp", np.concatenate([both, drawn]) / 10, faces)
     assert read_surface(a_folder / "round.vtp", "cm").surface.topology.is_watertight
     assert main(["measure", "round.vtp", "--units", "cm", "--centerline", "line.vtp"]) == 2
     assert "give the surface of the lumen alone" in capsys.readouterr().err

@@ -10,6 +10,16 @@ INPUTS = {"units": "cm", "surface": {"file": "tube.vtp"}, "centerline": {"file":
 PLACE = ["--center", "0", "0", "2", "--length", "20"]  # cm; the throat of the tube
 
 
+def write_wall(path, *surface):
+    """Write what `polydata_from_arrays` makes a surface of."""
+    path.write_bytes(encode_vtp(polydata_from_arrays(*surface)))
+
+
+def write_line(path, points):
+    """Write one line through some points."""
+    path.write_bytes(encode_vtp(polydata_from_lines(points, [np.arange(len(points))])))
+
+
 def write_tube(folder):
     """Write the tube, its centerline and an axis through its throat."""
     vessel = stenosed_tube(edge_length=1.0)
