@@ -163,7 +163,7 @@ class Case:
         return extract_segment(self.vessel, start, end, SegmentWishes(**wishes), after=after)
 
 
-class CaseResult:
+class CaseOutcome:
     """What there is to say of a treatment in its vessel."""
 
     vessel: Vessel
@@ -199,7 +199,7 @@ class CaseResult:
 
 
 @dataclass(frozen=True)
-class TreatedCase(CaseResult):
+class TreatedCase(CaseOutcome):
     """A vessel and its treatment, and the lesions that were found before it."""
 
     vessel: Vessel

@@ -39,7 +39,7 @@ from ..treatment import (
 from ..units import Frame, are_apart, flipped
 from ..validation import InputError, as_place, check_is_a
 from ..vessel import SMALL_VESSEL, Lesion
-from .case import Case, CaseResult
+from .case import Case, CaseOutcome
 from .inputs import InputFiles, in_same_space, input_file, read_plan_inputs
 from .plan import Plan
 
@@ -106,7 +106,7 @@ def _whole_way(vessel: Vessel) -> Part:
 
 
 @dataclass(frozen=True)
-class PlanResult(CaseResult):
+class PlanResult(CaseOutcome):
     """A plan that was carried out: the plan, what was read, and what came of it."""
 
     plan: Plan

@@ -18,7 +18,7 @@ Section = Mapping[str, Any]
 Lines = tuple[str, ...]
 
 
-class Row(NamedTuple):
+class ComparedRow(NamedTuple):
     """One line of the table: plain text, nothing escaped."""
 
     title: str
@@ -35,7 +35,7 @@ class Row(NamedTuple):
         return not any(self.cells)
 
 
-def comparison_rows(alternatives: Sequence[Section]) -> list[Row]:
+def comparison_rows(alternatives: Sequence[Section]) -> list[ComparedRow]:
     """The table of a comparison: a row per thing to compare, a cell per alternative."""
     reports = [one["report"] for one in alternatives]
     documents = [None if one is None else one.sections for one in reports]
@@ -55,7 +55,7 @@ def comparison_rows(alternatives: Sequence[Section]) -> list[Row]:
     return [row for row in rows if not row.is_empty]
 
 
-def _verdicts(alternatives: Sequence[Section]) -> Row:
+def _verdicts(alternatives: Sequence[Section]) -> ComparedRow:
     """The certificate of each plan, or why it could not be carried out."""
     found = [
         (False, f"Could not be carried out: {one['failure']}")
@@ -64,7 +64,7 @@ def _verdicts(alternatives: Sequence[Section]) -> Row:
         for one in alternatives
     ]
     cells = tuple((sentence,) for _, sentence in found)
-    return Row("Certificate", "", cells, tuple(passed for passed, _ in found))
+    return ComparedRow("Certificate", "", cells, tuple(passed for passed, _ in found))
 
 
 def _of_each(
@@ -72,14 +72,16 @@ def _of_each(
     documents: Iterable[Section | None],
     told: Callable[[Section], Lines],
     note: str = "",
-) -> Row:
+) -> ComparedRow:
     """A row of which every report tells its part."""
-    return Row(title, note, tuple(told(one) if one is not None else () for one in documents))
+    return ComparedRow(
+        title, note, tuple(told(one) if one is not None else () for one in documents)
+    )
 
 
 def _per_stent(
     title: str, documents: Iterable[Section | None], told: Callable[[Section, Facts], str]
-) -> Row:
+) -> ComparedRow:
     """A row with a line for every stent of which there is something to say."""
 
     def lines(document: Section) -> Lines:
@@ -106,7 +108,7 @@ def _stents(document: Section) -> Lines:
     return tuple(title + words for title, words in zip(shown, told, strict=True))
 
 
-def _facts(documents: Sequence[Section | None], *, are_changed: bool) -> list[Row]:
+def _facts(documents: Sequence[Section | None], *, are_changed: bool) -> list[ComparedRow]:
     """A row for every fact of stents that is told side by side."""
     stents = [stent for one in documents if one is not None for stent in one["stents"]]
     found = [fact for stent in stents for fact in stent.at(COMPARED) if fact.label]
@@ -118,13 +120,13 @@ def _cell(label: str, _document: Section, stent: Facts) -> str:
     return next((one.cell for one in stent.at(COMPARED) if one.label == label), "")
 
 
-def _lesions(documents: Sequence[Section | None]) -> list[Row]:
+def _lesions(documents: Sequence[Section | None]) -> list[ComparedRow]:
     """What is left of every lesion that a plan changes, and that the others stay."""
     known = [one["lesions"] for one in documents if one is not None and one["lesions"] is not None]
     if not known:
         return [_of_each("Lesions", documents, lambda _: (NOT_LOOKED_FOR,))]
     if not known[0]:
-        return [Row("Lesions", NO_LESION, tuple(() for _ in documents))]
+        return [ComparedRow("Lesions", NO_LESION, tuple(() for _ in documents))]
     rows, left = [], []
     for place, lesion in enumerate(known[0]):
         number = lesion.value("number")
@@ -137,7 +139,7 @@ def _lesions(documents: Sequence[Section | None]) -> list[Row]:
             left.append(f"lesion {number} {lesion.named('percent_diameter').words}")
     if left:
         cells = tuple(() if one is None else ("as before",) for one in documents)
-        rows.append(Row("Other lesions, by diameter", ", ".join(left), cells))
+        rows.append(ComparedRow("Other lesions, by diameter", ", ".join(left), cells))
     return rows
 
 
@@ -157,7 +159,7 @@ def _is_changed(lesion: Facts) -> bool:
     return bool(lesion.value("stents")) or not same
 
 
-def _branches(documents: Sequence[Section | None]) -> list[Row]:
+def _branches(documents: Sequence[Section | None]) -> list[ComparedRow]:
     """Every side branch beside a stent of one of the plans."""
     near = [branch for one in documents if one is not None for branch in one["branches"]]
     if not near:

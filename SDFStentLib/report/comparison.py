@@ -10,7 +10,7 @@ from typing import Any
 from ..plan import PlanComparison
 from ..validation import DeploymentError, check_is_a
 from ..version import VERSION
-from .alternatives import Row, comparison_rows
+from .alternatives import ComparedRow, comparison_rows
 from .flow import FLOW_NOTE
 from .markup import beginning, page, paragraph, picture
 from .picture import alternatives_picture
@@ -148,7 +148,7 @@ def _table(alternatives: Sequence[Mapping[str, Any]]) -> str:
     return f"<table><thead><tr><th>Plan</th>{names}</tr></thead>{rows}</table>"
 
 
-def _row(row: Row) -> str:
+def _row(row: ComparedRow) -> str:
     note = paragraph(row.note, "note") if row.note else ""
     looks = [""] * len(row.cells)
     if row.is_good is not None:
