@@ -375,6 +375,22 @@ def test_every_text_file_is_opened_with_its_encoding():
     ]
 
 
+BRITISH = re.compile(
+    r"\w*(?:olour|grey|avour|haviour|eighbour|labell|modell|travell|fibre)\w*"
+    r"|\b(?:\w*metres?|centre[sd]?|catalogue|analyse[ds]?|\w+wards)\b"
+)
+
+
+def test_all_texts_have_the_spelling_of_the_united_states():
+    places = ("SDFStentLib", "SDFStent", "SDFStentApp", "benchmarks", "examples", "tests", "docs")
+    paths = [path for place in places for path in (PROJECT / place).rglob("*.*")]
+    kinds = {".py", ".ui", ".md", ".js", ".html"}
+    texts = [path for path in paths if path.suffix in kinds and path != Path(__file__)]
+    assert len(texts) > 600
+    found = {path.name: BRITISH.findall(path.read_text(encoding="utf-8")) for path in texts}
+    assert not {name: words for name, words in found.items() if words}
+
+
 # Warnings are values; their sentences are made once, at the end, and read by nobody but people.
 
 
