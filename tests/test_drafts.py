@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from SDFStentLib.flow import Known
 from SDFStentLib.plan import (
     NEW_STENT,
     Draft,
+    Plan,
     earlier_of,
     in_lumen,
     inflated,
@@ -37,6 +39,7 @@ from SDFStentLib.stent import (
     balloon_by_rule,
 )
 from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import VesselName
 
 
 def changed(draft, changes):
@@ -192,3 +195,18 @@ def test_a_parameter_is_found_by_the_path_of_its_value():
     assert parameter_at("stents.balloon.diameter").unit == "mm"
     assert parameter_at("settings.straightening_fraction").most == 1.0
     assert parameter_at("flow.bsa").unit == "m2"
+
+
+def test_a_plan_is_the_same_in_the_other_frame_with_x_and_y_the_other_way():
+    place, known = (1.0, 2.0, 3.0), Known(80.0, right=(4.0, 5.0, 6.0))
+    how = {"root": place, "reference": (place,), "names": (VesselName("LPA", place),)}
+    plan = Plan(stents=(Stent(8.0, placement=AtCenter(place), length=9.0),), flow=known, **how)
+    ras = plan.in_frame("RAS")
+    assert (ras.stents, ras.flow, ras.marks.names) == (plan.stents, known, plan.names)
+    lps = ras.in_frame("LPS")
+    assert (lps.frame, lps.root, lps.reference) == ("LPS", (-1.0, -2.0, 3.0), ((-1.0, -2.0, 3.0),))
+    assert (lps.flow.right, lps.names[0].at) == ((-4.0, -5.0, 6.0), (-1.0, -2.0, 3.0))
+    assert lps.stents[0].placement == AtCenter((-1.0, -2.0, 3.0))
+    assert lps.in_frame("RAS") == ras
+    assert Plan(frame="LPS").marked(ras.marks).names == lps.names
+    assert ras.of_files("a.vtp", None).centerline is None

@@ -33,11 +33,11 @@ from ..treatment import (
     treated_lesions,
     with_known_minima,
 )
-from ..units import Frame, are_apart
+from ..units import Frame
 from ..validation import InputError, Points
 from ..vessel import Lesion
 from .draft import Draft
-from .plan import Marks, Plan, turned
+from .plan import Marks, Plan
 
 
 def vessel_of(
@@ -118,11 +118,10 @@ class Case:
 
         `InputError` as of `Vessel.placed`.
         """
-        is_turned, found = are_apart(self.plan.frame, self.frame), []
-        for number, stent in enumerate(self.plan.stents, start=1):
-            with labeled(label_of(self.plan.stents, number, self.rows)):
-                own = turned(stent) if is_turned else stent
-                found.append(self.vessel.placed(own) if own.enabled else own)
+        stents, found = self.plan.in_frame(self.frame).stents, []
+        for number, stent in enumerate(stents, start=1):
+            with labeled(label_of(stents, number, self.rows)):
+                found.append(self.vessel.placed(stent) if stent.enabled else stent)
         return tuple(found)
 
     def treatment(self) -> Treatment:

@@ -117,16 +117,9 @@ class Plan(ByValue):
             return replace(self, frame=frame)
         known = self.flow
         if known is not None and known.right is not None:
-            known = replace(known, right=_turned(known.right))
-        return replace(
-            self,
-            stents=tuple(turned(stent) for stent in self.stents),
-            frame=frame,
-            root=None if self.root is None else _turned(self.root),
-            reference=tuple(_turned(place) for place in self.reference),
-            names=tuple(one.turned() for one in self.names),
-            flow=known,
-        )
+            known = replace(known, right=as_place(flipped(np.array(known.right))))
+        stents = tuple(turned(stent) for stent in self.stents)
+        return replace(self, stents=stents, frame=frame, flow=known).marked(self.marks)
 
     @property
     def marks(self) -> Marks:
@@ -179,10 +172,6 @@ def plan_of_method(values: Mapping[str, Any]) -> Plan:
     straightening = given.pop("straightening_fraction", 0.0)
     settings = DeploymentSettings().with_changes(**given)
     return Plan(settings=settings, straightening_fraction=straightening)
-
-
-def _turned(place: Place) -> Place:
-    return as_place(flipped(np.array(place)))
 
 
 def turned(stent: Stent) -> Stent:

@@ -36,8 +36,8 @@ from ..treatment import (
     label_of,
     treated_lesions,
 )
-from ..units import Frame, are_apart, flipped
-from ..validation import InputError, as_place, check_is_a
+from ..units import Frame
+from ..validation import InputError, check_is_a
 from ..vessel import SMALL_VESSEL, Lesion
 from .case import Case, CaseOutcome
 from .inputs import InputFiles, in_same_space, input_file, read_plan_inputs
@@ -65,12 +65,8 @@ def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> Flow
 
 def flow_of_plan(plan: Plan, vessel: Vessel, frame: Frame | None) -> FlowModel | None:
     """`flow_model` for what a plan knows, in its frame; None where it knows nothing."""
-    known = plan.flow
-    if known is None:
-        return None
-    if known.right is not None and are_apart(plan.frame, frame):
-        known = replace(known, right=as_place(flipped(np.array(known.right))))
-    return flow_model(vessel, known, frame)
+    known = plan.in_frame(frame).flow
+    return None if known is None else flow_model(vessel, known, frame)
 
 
 def flow_answer(
