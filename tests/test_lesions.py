@@ -84,7 +84,7 @@ def test_a_stenosis_across_a_junction_is_one_lesion():
     made = phantom("branching_pulmonary_artery")
     (first,) = find_lesions(made.surface, made.centerline)
     assert np.linalg.norm(np.subtract(first.point, made.throat.point)) < 1.0
-    assert first.proximal is None
+    assert first.proximal is not None
     assert first.distal is not None
     assert first.reference_diameter == pytest.approx(made.throat.reference_diameter, rel=0.03)
     assert first.percent_diameter == pytest.approx(40, abs=3)
@@ -128,7 +128,7 @@ def test_the_pulmonary_artery_s_lesions_are_the_same_for_every_form_of_the_cente
             form
         )
         # Where it tapers: 18 % against the narrower side, 45 % against the wider.
-        assert mild.percent_diameter == pytest.approx(27, abs=2), form
+        assert 18 < mild.percent_diameter < 45, form
         sides = sorted(place.diameter for place in (first.proximal, first.distal))
         np.testing.assert_allclose(sides, [9.5, 10.5], atol=0.2, err_msg=form)
 
@@ -178,7 +178,7 @@ def test_a_stent_that_ends_beside_the_throat_of_a_lesion_treats_it(way):
     left = residual_of([beside], stents)
     assert left.side == ("proximal" if way > 0 else "distal")
     assert left.percent == pytest.approx(beside.after.percent_diameter)
-    assert left.percent > 25
+    assert left.percent == pytest.approx(100 * (1 - left.minimum / 6.0), abs=1.0)
     assert not treated(2.5)[0].stents
 
 
@@ -292,8 +292,8 @@ def test_what_is_over_where_the_vessel_goes_on_in_a_branch_is_told_there_if_that
     along = np.arange(0, 60.1, 0.5)
     parent = vessel_along(np.interp(along, [24, 28, 30, 31.5], [5.5, 3.3, 3.5, 4.7]))
     beyond = np.arange(0, 25.1, 0.5)
-    child = leaving(np.interp(beyond, [0, 1, 4], [2.6, 2.6, 4.7]), 31.5)
-    runs = [parent, child._replace(caliber=4.7)]
+    child = leaving(np.interp(beyond, [0, 1, 4], [2.4, 2.4, 4.7]), 31.5)
+    runs = [parent, child._replace(caliber=4.7, beside=(5.0,))]
     assert [one.vessel for one in found_narrowings(runs, [0, 1])] == [1]
     # A branch that is much narrower is another vessel.
     aside = child._replace(line=Line(child.points + np.array([2.5, 0.0, 0.0])), caliber=3.0)
@@ -303,20 +303,21 @@ def test_what_is_over_where_the_vessel_goes_on_in_a_branch_is_told_there_if_that
 def test_a_throat_from_which_several_branches_go_on_narrower_is_that_of_the_vessel_before():
     """44 % at the end of a trunk were dropped for 48 % and 47 % of two of three branches."""
     trunk = vessel_along(through((0, 10.6), (50, 10.6), (60, 5.9)))
-    division = tuple(SideBranch(60.0, 8.3, number) for number in (1, 2))
+    division = tuple(SideBranch(60.0, 8.3, number) for number in (1, 2, 3))
     branches = [
-        leaving(through((0, begins), (8, 7), (30, 7)), 60.0)._replace(is_onward=True, caliber=8.3)
-        for begins in (3.3, 3.4)
+        leaving(through((0, begins), (8, 7), (30, 7)), 60.0)._replace(caliber=8.3, beside=(8.3,))
+        for begins in (6.0, 3.3, 3.4)
     ]
     aside = [
         one._replace(line=Line(one.points + np.array([way, 0.0, 0.0])))
-        for one, way in zip(branches, (-4.0, 4.0), strict=True)
+        for one, way in zip(branches, (0.0, -4.0, 4.0), strict=True)
     ]
     trunk = trunk._replace(division=division)
-    told = [one.vessel for one in found_narrowings([trunk, *aside], [0, 1, 2])]
+    told = [one.vessel for one in found_narrowings([trunk, *aside], [0, 1, 2, 3])]
     assert told[0] == 0
     # The throat of one of them is its own.
-    assert [one.vessel for one in found_narrowings([trunk, aside[0]], [0, 1])] == [1]
+    two = [trunk, aside[0]._replace(diameter=aside[0].diameter + 1.0), aside[1]]
+    assert [one.vessel for one in found_narrowings(two, [0, 1, 2])][-1] == 2
 
 
 def test_a_branch_whose_narrowest_sphere_is_that_of_its_parent_has_no_lesion_there():
@@ -331,6 +332,40 @@ def test_a_branch_whose_narrowest_sphere_is_that_of_its_parent_has_no_lesion_the
     assert _each_once([apart, own]) == [own, apart]
 
 
+def test_a_narrowing_at_a_fork_is_told_against_healthy_vessel_on_both_sides_of_it():
+    """A vessel that divides has healthy vessel in the branch in which it goes on, not in what its
+    branches ask for, and that branch has some in it: 44 % of 10.6 mm, or 28 of 8.1, were told."""
+    before = ((0, 10.6), (50, 10.4))
+    division = (SideBranch(60.0, 8.0, 1), SideBranch(60.0, 8.0, 2))
+    beside = leaving(through((0, 4.5), (6, 8.0), (30, 8.0)), 60.0)._replace(beside=(8.0,))
+    beside = beside._replace(line=Line(beside.points + np.array([9.0, 0.0, 0.0])))
+    for throat, vessel in ((57, 0), (63, 1)):
+        whole = through(*before, (throat, 5.6), (68, 8.0), (100, 8.0))
+        trunk = vessel_along(whole[:121])._replace(division=division)
+        onward = vessel_along(whole[120:], 0, start=60.0)._replace(caliber=8.0, beside=(8.0,))
+        (one,) = found_narrowings([trunk, onward, beside._replace(caliber=7.9)], [0, 1])
+        assert one.vessel == vessel
+        assert one.narrow.narrowest == pytest.approx(throat, abs=1.0)
+        assert one.sides[0].diameter == pytest.approx(10.4, abs=0.2)
+        assert one.sides[1].diameter == pytest.approx(8.0, abs=0.2)
+        # Between that against the vessel before and that against the vessel beyond.
+        assert 1 - 5.6 / 8.0 < one.narrow.degree < 1 - 5.6 / 10.4
+
+
+def test_a_branch_as_wide_as_others_is_measured_against_what_its_parent_leaves_it():
+    """Two alike of a trunk of 10 mm have 7.4 by the rule of flow: 50 % of 7.4 are not 63 of 10."""
+    parent = vessel_along(np.full(121, 10.0))._replace(
+        division=(SideBranch(60.0, 7.4, 1), SideBranch(60.0, 7.4, 2))
+    )
+    wide = vessel_along(np.full(80, 7.4), 0, start=60.0)._replace(caliber=7.4, beside=(7.4,))
+    narrow = through((0, 3.7), (6, 7.3), (40, 7.3))
+    branch = leaving(narrow, 60.0)._replace(caliber=7.4, beside=(7.4,))
+    (one,) = found_narrowings([parent, wide, branch], [0, 1, 2])
+    assert one.vessel == 2
+    assert one.narrow.reference.proximal_beyond == pytest.approx(10 * 0.5 ** (3 / 7), rel=0.01)
+    assert one.narrow.degree == pytest.approx(0.5, abs=0.03)
+
+
 def test_a_narrow_twig_at_the_end_of_a_trunk_takes_no_lesion_from_it():
     """65 % of the trunk were dropped for 48 % of a vessel of 3.7 mm that leaves its end."""
     trunk = vessel_along(through((0, 13), (34, 13), (46, 3.9)))
@@ -339,8 +374,8 @@ def test_a_narrow_twig_at_the_end_of_a_trunk_takes_no_lesion_from_it():
     twig = leaving(through((0, 2.5), (10, 1.9), (20, 3.6), (40, 3.6)), 46.0)
     runs = [
         trunk._replace(division=division),
-        onward._replace(is_onward=True, caliber=10.6),
-        twig._replace(caliber=3.7),
+        onward._replace(caliber=10.6, beside=(3.7,)),
+        twig._replace(caliber=3.7, beside=(10.6,)),
     ]
     assert found_narrowings(runs, [0, 1, 2])[0].vessel == 0
 
@@ -489,8 +524,10 @@ def test_a_vessel_that_begins_narrow_is_told_if_healthy_ones_hardly_begin_so(
     begins, ends, is_onward, count
 ):
     """Healthy branches begin narrower than they go on, and widen slowly."""
-    widening = vessel_along(through((0, begins), (ends, 5), (40, 5)), parent=0)
-    assert len(narrowings(widening._replace(is_onward=is_onward))) == count
+    widening = vessel_along(through((0, begins), (ends, 5), (40, 5)), parent=0, start=30.0)
+    widening = widening._replace(beside=(6.0 if is_onward else 9.0,))
+    found = found_narrowings([vessel_along(np.full(120, 8.0)), widening], [0, 1])
+    assert len(found) == count
 
 
 def test_a_vessel_that_tapers_far_beyond_its_narrow_ostium_is_no_aneurysm():
@@ -523,10 +560,10 @@ def test_the_funnel_of_an_ostium_before_a_narrowing_is_no_healthy_vessel():
 def test_a_vessel_that_goes_on_in_another_one_is_healthy_from_its_first_station():
     """33 % between 13 and 10.5 mm were not told: it is known for less than its diameter above."""
     wide = through((0, 13), (4, 12.8), (9, 8.6), (13, 10.4), (40, 10.4))
-    vessel = vessel_along(wide, parent=0)
-    (one,) = narrowings(vessel._replace(is_onward=True))
-    assert one.reference.proximal.diameter > 12
-    assert 0.17 < one.degree < 0.34
+    vessel = vessel_along(wide, parent=0, start=30.0)._replace(beside=(5.0,))
+    (one,) = found_narrowings([vessel_along(np.full(120, 13.5)), vessel], [0, 1])
+    assert one.narrow.reference.proximal.diameter > 12
+    assert 0.17 < one.narrow.degree < 0.34
     assert not narrowings(vessel)
 
 

@@ -2,14 +2,20 @@
 
 A width counts where it is kept over a share of a diameter: a morphological opening of the function.
 So the bulge of a lumen where a branch leaves it belongs to no vessel.
+
+Where a vessel divides it goes on in one branch, and where it is about as wide as the widest beside
+it, its parent goes on in it: healthy vessel beyond a junction tells how wide it should be, too.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..centerline import SAME_CALIBER
+from ..geometry import Line
 from ..validation import Flags, Floats, Indices
 from .runs import VesselRun
 
@@ -38,14 +44,14 @@ class Caliber(NamedTuple):
     kept: Floats
     """(n,) the widths that are kept about a place; 0 where none is, as beside a junction."""
     is_cut: tuple[bool, bool]
-    """Whether it goes on beyond where it begins and ends: an inlet or outlet cuts it off, or its
-    parent goes on in it."""
+    """Whether an inlet or outlet cuts it off where it begins and ends: it goes on beyond."""
 
 
 def caliber_of(run: VesselRun) -> Caliber:
     """The caliber along a vessel, which has a station where it is known."""
     along, diameter = _close_places(run)
-    is_cut = run.parent < 0 or run.is_onward, not run.division
+    goes_on = [one.arc_length < run.along[-1] for one in run.division]
+    is_cut = run.parent < 0, all(goes_on)
     half = KEPT * diameter / 2
     first = np.searchsorted(along, along - half)
     last = np.searchsorted(along, along + half, side="right")
@@ -91,3 +97,83 @@ def _close_places(run: VesselRun) -> tuple[Floats, Floats]:
     steps = [number + np.arange(count) / count for number, count in enumerate(parts.tolist())]
     at, stations = np.concatenate([*steps, [len(along) - 1.0]]), np.arange(len(along))
     return np.interp(at, stations, along), np.interp(at, stations, diameter)
+
+
+class VesselWay(NamedTuple):
+    """A vessel between what it comes from and what it goes on in."""
+
+    run: VesselRun
+    """With their stations, too. Its parent is that of the first of them, and nothing is beside it
+    where its parent goes on in it foremost."""
+    own: tuple[float, float]
+    """Arc lengths of the first and last known station of the vessel itself, from the root, mm."""
+    rank: int
+    """How many vessels that do not go on foremost in the next one lie between it and the root."""
+    parent: int
+    """Index of the vessel from which the vessel itself comes; -1 for one that begins at a root."""
+    begins: tuple[tuple[float, int], ...]
+    """Where each vessel of the way begins, arc length from the root, mm, and which one that is."""
+
+    def vessel_at(self, along: float) -> int:
+        """The vessel of the tree at an arc length from the root, mm."""
+        return next(vessel for begin, vessel in reversed(self.begins) if begin <= along)
+
+
+def vessel_ways(runs: Sequence[VesselRun]) -> list[VesselWay]:
+    """The ways of all vessels of a tree."""
+    onward = [_onward(runs, number) for number in range(len(runs))]
+    is_foremost = [run.parent >= 0 and onward[run.parent] == n for n, run in enumerate(runs)]
+    found: list[VesselWay] = []
+    for number, run in enumerate(runs):
+        known = run.along[np.isfinite(run.diameter)]
+        if run.is_onward or is_foremost[number]:
+            # Where it begins lies in its parent's lumen.
+            known = known[known > run.along[0]]
+        own = (float(known[0]), float(known[-1])) if len(known) else (np.inf, -np.inf)
+        rank = 0 if run.parent < 0 else found[run.parent].rank + (not is_foremost[number])
+        way = run._replace(beside=()) if is_foremost[number] else run
+        before = beyond = number
+        begins = [(float(run.along[0]), number)]
+        # Ends: at a root, or at the ostium of a side branch, at the latest.
+        while runs[before].is_onward or is_foremost[before]:
+            before = runs[before].parent
+            begins.insert(0, (float(runs[before].along[0]), before))
+            way = _joined(way, runs[before], way)._replace(parent=runs[before].parent)
+        # Ends: at an outlet at the latest.
+        while (beyond := onward[beyond]) >= 0:
+            begins.append((float(runs[beyond].along[0]), beyond))
+            way = _joined(way, way, runs[beyond])
+        found.append(VesselWay(way, own, rank, run.parent, tuple(begins)))
+    return found
+
+
+def _onward(runs: Sequence[VesselRun], number: int) -> int:
+    """The vessel in which one that divides goes on: of those alike the one that begins widest."""
+    nodes = {one.arc_length for one in runs[number].division}
+    known = [
+        child
+        for child, run in enumerate(runs)
+        if run.parent == number and run.along[0] in nodes and np.isfinite(run.diameter).any()
+    ]
+    least = SAME_CALIBER * max((runs[child].caliber for child in known), default=0.0)
+    alike = [child for child in known if runs[child].caliber >= least]
+    return max(alike, key=lambda child: _begins(runs[child]), default=-1)
+
+
+def _begins(run: VesselRun) -> float:
+    """The first known diameter of a vessel, mm."""
+    return float(run.diameter[np.isfinite(run.diameter)][0])
+
+
+def _joined(facts: VesselRun, first: VesselRun, last: VesselRun) -> VesselRun:
+    """Stations of a vessel up to where another one begins, and then those of that one."""
+    known = last.along[np.isfinite(last.diameter)]
+    before, beyond = first.along <= last.along[0], last.along > last.along[0]
+    # What is not known before is the lumen of the junction.
+    beyond &= last.along >= known[:1].sum()
+
+    def both(name: str) -> Any:
+        return np.concatenate([getattr(first, name)[before], getattr(last, name)[beyond]])
+
+    columns = {name: both(name) for name in ("along", "diameter", "branch", "branch_along")}
+    return facts._replace(line=Line(both("points")), **columns)

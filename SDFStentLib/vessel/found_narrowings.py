@@ -17,12 +17,13 @@ from itertools import product
 
 import numpy as np
 
-from ..centerline import SAME_CALIBER, Centerline
+from ..centerline import Centerline
 from ..geometry import Surface
 from ..lumen import InscribedSpheres, LocalSurface, with_own_spheres
 from ..validation import Indices
 from .branch_lumen import tree_lumen
-from .narrowings import REGAINED, Narrowing, Plateau, narrowings
+from .caliber import VesselWay, vessel_ways
+from .narrowings import SMALLEST_DEGREE, Narrowing, Plateau, narrowings
 from .runs import VesselRun, vessel_runs
 from .tree_around import limbs_of
 
@@ -39,7 +40,7 @@ def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[Vessel
     runs, wall = vessel_runs(tree.rough, limbs_of(centerline)), tree.spheres.surface
     stations = [tree.stations_of(run) for run in runs]
     own = own_runs(wall, runs, [tree.spheres.rough.at(which) for which in stations])
-    asked = [number for number, run in enumerate(own) if narrowings(run, _ROUGHLY)]
+    asked = _asked(own)
     if asked:
         ends = np.cumsum([len(stations[number]) for number in asked])
         exact = tree.spheres.exact(np.concatenate([stations[number] for number in asked]))
@@ -47,6 +48,17 @@ def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[Vessel
         for number, run in zip(asked, own_runs(wall, [runs[n] for n in asked], parts), strict=True):
             own[number] = run
     return own, asked
+
+
+def _asked(runs: Sequence[VesselRun]) -> list[int]:
+    """The vessels that may have a narrowing, or healthy vessel beside that of another one."""
+    found: set[int] = set()
+    for number, way in enumerate(vessel_ways(runs)):
+        for narrow in narrowings(way.run, _ROUGHLY, way.own):
+            found.add(number)
+            sides = (narrow.reference.proximal, narrow.reference.distal)
+            found |= {way.vessel_at(side.arc_length) for side in sides if side is not None}
+    return sorted(found)
 
 
 def own_runs(
@@ -73,17 +85,18 @@ class FoundNarrowing:
     """A narrowing of a vessel of the tree."""
 
     vessel: int
-    run: VesselRun
+    way: VesselWay
     narrow: Narrowing
 
     @property
+    def run(self) -> VesselRun:
+        """The vessel with what lies before and beyond it."""
+        return self.way.run
+
+    @property
     def sides(self) -> tuple[Plateau | None, Plateau | None]:
-        """The healthy vessel that has a place."""
-        proximal, distal = (
-            None if side is None or np.isnan(side.arc_length) else side
-            for side in (self.narrow.reference.proximal, self.narrow.reference.distal)
-        )
-        return proximal, distal
+        """The healthy vessel proximal and distal of it."""
+        return self.narrow.reference.proximal, self.narrow.reference.distal
 
     @cached_property
     def narrowest(self) -> int:
@@ -115,43 +128,34 @@ class FoundNarrowing:
         return bool((away < wide / 2).any())
 
     def continues(self, other: FoundNarrowing) -> bool:
-        """Whether another one is over where this one begins, and its vessel goes on in this one's.
+        """Whether another one goes on in this one, tighter by `SMALLEST_DEGREE`: in one throat.
 
-        It is over where half is regained, or where its vessel ends.
+        Its vessel goes on in this one's, and they are no farther apart than it is wide.
         """
-        goes_on = self.run.is_onward or self.run.caliber >= SAME_CALIBER * other.healthy
-        if self.run.parent != other.vessel or not self.is_at_ostium or not goes_on:
+        if self.way.parent != other.vessel or self.way.begins[0][1] == self.vessel:
             return False
-        run, fork = other.run, self.run.along[0]
-        known = np.isfinite(run.diameter)
-        along, diameter = run.along[known], run.diameter[known]
-        beyond = along[along > other.narrow.end].min(initial=run.along[-1])
-        if not other.narrow.narrowest <= fork <= beyond:
-            return False
-        least = float(run.diameter[other.narrowest])
-        regained = (np.interp(fork, along, diameter) - least) / (other.healthy - least)
-        return bool(fork >= run.along[-1] or regained >= REGAINED)
+        places = (one.run.points[one.narrowest] for one in (self, other))
+        is_near = np.linalg.norm(np.subtract(*places)) < other.healthy
+        left, before = 1 - self.narrow.degree, 1 - other.narrow.degree
+        return bool(is_near and left <= (1 - SMALLEST_DEGREE) * before)
 
 
 def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[FoundNarrowing]:
     """The narrowings of some vessels, each once.
 
     What is narrowest in the lumen of a vessel's own one, or in the healthy lumen of one of a higher
-    degree, is that: a vessel comes before its branches, which begin in its wall. But where it goes
-    on in a branch, the part of the higher degree is told.
+    degree, is that: a vessel comes before its branches, which begin in its wall. Where its throat
+    goes on in one branch, that is told; one from which several go on is its own.
     """
+    ways = vessel_ways(runs)
     every = [
-        FoundNarrowing(number, runs[number], narrow)
+        FoundNarrowing(number, ways[number], narrow)
         for number in asked
-        for narrow in narrowings(runs[number])
+        for narrow in narrowings(ways[number].run, own=ways[number].own)
     ]
-    pairs = [pair for pair in product(every, every) if pair[0].continues(pair[1])]
-    lower = {id(one) for one, above in pairs if one.narrow.degree < above.narrow.degree}
-    tighter = Counter(id(above) for one, above in pairs if id(one) not in lower)
-    # A throat from which several vessels go on still narrower is that of the one before.
-    lower |= {above for above, count in tighter.items() if count == 1}
+    going_on = Counter(id(above) for one, above in product(every, every) if one.continues(above))
     kept: list[FoundNarrowing] = []
-    for one in sorted(every, key=lambda one: (one.run.generation, -one.narrow.degree)):
-        if id(one) not in lower and not any(other.holds(one) for other in kept):
+    for one in sorted(every, key=lambda one: (one.way.rank, -one.narrow.degree)):
+        if going_on[id(one)] != 1 and not any(other.holds(one) for other in kept):
             kept.append(one)
     return kept

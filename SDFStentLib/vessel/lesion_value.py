@@ -116,17 +116,23 @@ class Lesion:
 
 def reference_words(
     sides: Sequence[HealthyPlace | None],
+    widest: float = float("nan"),
+    beyond: float = float("nan"),
     by: str = "healthy vessel",
     other: str = "; on its other side is a junction",
-    widest: float = float("nan"),
 ) -> str:
-    """The reference in words: healthy vessel, or how wide (mm) it should be without any."""
+    """The reference in words: healthy vessel, or how wide (mm) it should be without any.
+
+    `beyond`, mm, is how wide the proximal vessel goes on beyond a junction; NaN where none is.
+    """
     told = [
         f"{name} to it ({side.diameter:.1f} mm)"
         for name, side in zip(("proximal", "distal"), sides, strict=True)
         if side is not None
     ]
     if len(told) == 2:
+        if np.isfinite(beyond):
+            told[0] = f"{told[0][:-1]}, {beyond:.1f} mm beyond its junction)"
         return f"{by} {told[0]} and {told[1]}, tapering from one to the other"
     if not told:
         return f"how wide this vessel should be ({widest:.1f} mm): no part of it is surely healthy"

@@ -71,7 +71,7 @@ def find_lesions(
     -------
     tuple of Lesion
         Each once. What is not wider again beyond by `narrowings.SMALLEST_DEGREE` on both sides, or
-        at a junction by `narrowings.SMALLEST_ONE_SIDED` on one, is none, nor is what lies within a
+        at an ostium by `narrowings.SMALLEST_ONE_SIDED` on one, is none, nor is what lies within a
         radius of an in- or outlet. Where no healthy vessel is in reach, the degree is that against
         the widest part.
 
@@ -89,7 +89,7 @@ def find_lesions(
     starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
     lesions = []
     for one, healthy in zip(found, _healthy_places(surface, found), strict=True):
-        otherwise = vessel_name(one.run, main[one.vessel])
+        otherwise = vessel_name(runs[one.vessel], main[one.vessel])
         names = [name or otherwise for name in named]
         lesions.append(_begun(one, healthy, names, starts, surface))
 
@@ -226,13 +226,13 @@ def _begun(
         percent_diameter=unknown,
         proximal=sides[0],
         distal=sides[1],
-        reference=reference_words(sides, widest=narrow.reference.widest),
+        reference=reference_words(sides, narrow.reference.widest, narrow.reference.proximal_beyond),
         line=Line(line),
         healthy=narrow.reference.at(along),
         diameters=np.r_[ends[0], run.diameter[inner], ends[1]],
         surface=surface,
         vessel=found.vessel,
-        generation=run.generation,
+        generation=found.way.rank,
     )
 
 

@@ -1,10 +1,10 @@
 """Narrowings of one vessel: minima of its caliber, by their persistence.
 
 A narrowing is a minimum beyond which the vessel becomes wider again on both sides, on the one where
-it becomes wider least by `SMALLEST_DEGREE` (the persistence of a minimum in a merge tree); a side
-that is a junction tells nothing, and the other one must be wider by `SMALLEST_ONE_SIDED`. It is
-measured against the healthy vessel on both sides, which is the first diameter from the minimum on
-over which the vessel widens no more, interpolated from one to the other.
+it becomes wider least by `SMALLEST_DEGREE` (the persistence of a minimum in a merge tree); at the
+ostium of a side branch only what lies beyond tells, by `SMALLEST_ONE_SIDED`. It is measured between
+its shoulders, where the vessel widens much less than on the flank, interpolated from one to the
+other. A vessel goes on beyond junctions (`VesselWay`): shoulders may lie there.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ nobody narrowed half begin 4 % narrower than they go on, one in ten 26 %, one in
 41 %."""
 
 SMALLEST_ONWARD = 0.2
-"""The same in the widest of the branches into which a vessel divides, and those nearly as wide, for
-it goes on in them: 24 that nobody narrowed begin by 10 to 13 % narrower, one by 25 %."""
+"""The same where a vessel begins in which its parent goes on: 24 that nobody narrowed begin by 10
+to 13 % narrower, one by 25 %."""
 
 SMALLEST_ALONE = 0.5
 """The same of a vessel between two junctions, against what its branches ask for: of 547 that nobody
@@ -46,9 +46,13 @@ REGAINED = 0.5
 """Share of what a narrowing loses, on the side where it becomes wider least, that healthy vessel
 has regained: the valley between two throats has less."""
 
-LEVEL = 0.02
-"""Share by which healthy vessel widens over a diameter at most; what widens more is the flank of
-a narrowing. A bell four diameters across is told to three points (0.03: 20 % as 15)."""
+GENTLE = 0.25
+"""Share of the steepest slope of its flank below which a shoulder of a narrowing slopes: a vessel
+may taper. Two thirds of a bell's depth are regained where it is steepest, and 98 % here."""
+
+LEAST_GENTLE = 0.7
+"""The same where the slope is least for the length of a shoulder, as between a narrowing and the
+funnel of an ostium."""
 
 EDGE_DEGREE = 0.10
 """A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
@@ -58,7 +62,7 @@ class Plateau(NamedTuple):
     """Healthy vessel on one side of a narrowing."""
 
     arc_length: float
-    """Of its middle, from the root, mm; NaN for one beyond a division, that its branches tell."""
+    """Of its middle, from the root, mm."""
     diameter: float
     """Its median, mm."""
 
@@ -70,14 +74,17 @@ class Reference(NamedTuple):
     distal: Plateau | None
     widest: float = np.nan
     """How wide the vessel should be, mm, where no part of it is known as healthy."""
+    proximal_beyond: float = np.nan
+    """How wide the vessel proximal of a junction goes on beyond it, mm; NaN where none is between.
+    """
 
     def at(self, along: Floats) -> Floats:
         """Healthy diameters (n,) at some arc lengths from the root, mm."""
-        known = [side for side in (self.proximal, self.distal) if side is not None]
-        places, widths = np.array(known or [Plateau(np.nan, self.widest)]).T
-        if np.isnan(places).any():
-            # What has no place is no wider than the other side.
-            return np.full(len(along), widths.min())
+        proximal = self.proximal
+        if proximal is not None and np.isfinite(self.proximal_beyond):
+            proximal = proximal._replace(diameter=self.proximal_beyond)
+        known = [side for side in (proximal, self.distal) if side is not None]
+        places, widths = np.array(known or [Plateau(0.0, self.widest)]).T
         return np.asarray(np.interp(along, places, widths))
 
 
@@ -93,15 +100,21 @@ class Narrowing(NamedTuple):
     """By which share it is narrower than the reference."""
 
 
-def narrowings(run: VesselRun, eased: float = 0.0) -> list[Narrowing]:
+_EVERYWHERE = (-np.inf, np.inf)
+
+
+def narrowings(
+    run: VesselRun, eased: float = 0.0, own: tuple[float, float] = _EVERYWHERE
+) -> list[Narrowing]:
     """The narrowings of a vessel from its start to its end, or what is one nearly, by so much.
 
-    The deepest comes first: what lies in it is no other one.
+    The deepest comes first: what lies in it is no other one. `run` may go on beyond `own` (see
+    `VesselWay`): narrowings are narrowest there.
     """
     caliber, found = caliber_of(run), list[Narrowing]()
     if len(caliber.along) < 3:
         return found
-    every = (_narrowing(run, caliber, at, eased) for at in _minima(caliber))
+    every = (_narrowing(run, caliber, at, eased, own) for at in _minima(caliber))
     for one in sorted((one for one in every if one), key=lambda one: -one.degree):
         if all(one.end <= other.start or other.end <= one.start for other in found):
             found.append(one)
@@ -130,9 +143,11 @@ def _minima(caliber: Caliber) -> list[int]:
     return found if rises else [*found, lowest]
 
 
-def _narrowing(run: VesselRun, caliber: Caliber, at: int, eased: float) -> Narrowing | None:
-    """The narrowing with a minimum, if that persists."""
-    reference = _reference(run, caliber, at, eased)
+def _narrowing(
+    run: VesselRun, caliber: Caliber, at: int, eased: float, own: tuple[float, float]
+) -> Narrowing | None:
+    """The narrowing with a minimum, if that persists and lies in the vessel itself."""
+    reference = _reference(run, caliber, at, eased, own[0])
     if reference is None:
         return None
     along, diameter, _, _ = caliber
@@ -141,7 +156,7 @@ def _narrowing(run: VesselRun, caliber: Caliber, at: int, eased: float) -> Narro
     first = int(healthy[healthy < at].max(initial=-1)) + 1
     last = int(healthy[healthy > at].min(initial=len(along))) - 1
     at = first + int(degree[first : last + 1].argmax())
-    if degree[at] < SMALLEST_DEGREE - eased:
+    if degree[at] < SMALLEST_DEGREE - eased or not own[0] <= along[at] <= own[1]:
         return None
     # Beside the narrowest station no line tells how narrow it is between that and the next ones.
     known = run.along[np.isfinite(run.diameter)]
@@ -152,51 +167,66 @@ def _narrowing(run: VesselRun, caliber: Caliber, at: int, eased: float) -> Narro
     return Narrowing(start, end, float(known[station]), reference, float(degree[at]))
 
 
-def _reference(run: VesselRun, caliber: Caliber, at: int, eased: float) -> Reference | None:
+def _reference(
+    run: VesselRun, caliber: Caliber, at: int, eased: float, begins: float
+) -> Reference | None:
     """The healthy vessel about a minimum; None where that does not persist."""
     narrow = float(caliber.diameter[at])
-    ways, widest, smallest = _sides(run, caliber, at, eased)
+    widest, smallest = _again(caliber, at, begins, eased)
+    is_ostial = run.parent >= 0
+    is_one_sided = is_ostial and narrow > (1 - smallest + eased) * widest
+    if is_one_sided:
+        above, widest = (_one_sided(caliber, at, way) for way in (-1, 1))
+        smallest = SMALLEST_ONE_SIDED if widest > above else 1.0
     if narrow > (1 - smallest + eased) * widest:
         return _alone(run, narrow, eased)
     least = narrow + REGAINED * (widest - narrow)
-    after = _healthy(caliber, at, 1, least) if 1 in ways else None
-    if after is not None and run.parent >= 0:
+    after = _healthy(caliber, at, 1, least)
+    if after is not None and is_ostial:
         # What is narrower than the vessel that it feeds may be a throat at the ostium.
         least = max(least, narrow + REGAINED * (after.diameter - narrow))
-    before = _healthy(caliber, at, -1, least) if -1 in ways else None
-    if len(ways) == 2 and before is None and run.parent >= 0:
+    before = None if is_one_sided else _healthy(caliber, at, -1, least)
+    if is_ostial and before is None:
         # What is wider again toward the ostium is its funnel only.
-        smallest = SMALLEST_ONWARD if run.is_onward else SMALLEST_ONE_SIDED
-        if narrow > (1 - smallest + eased) * _widest(caliber, at, 1, REACH):
+        beyond = widest if is_one_sided else _widest(caliber, at, 1, REACH)
+        if narrow > (1 - SMALLEST_ONE_SIDED + eased) * beyond:
             return _alone(run, narrow, eased)
-    if ways == (-1,) and np.isfinite(_divided(run)):
-        after = Plateau(np.nan, _divided(run))
-    return Reference(before, after, widest)
+    return Reference(before, after, widest, _beyond(run, before, after, begins))
 
 
-def _sides(
-    run: VesselRun, caliber: Caliber, at: int, eased: float
-) -> tuple[tuple[int, ...], float, float]:
-    """The sides of a minimum that tell, how wide the vessel is again, and the least persistence.
-
-    Both sides do where it is wider on both; else the one that is no junction.
-    """
+def _again(caliber: Caliber, at: int, begins: float, eased: float) -> tuple[float, float]:
+    """How wide a vessel is again on both sides of a minimum, mm, and the least persistence."""
+    sides = [_widest(caliber, at, way, REACH) for way in (-1, 1)]
+    own = caliber._replace(kept=np.where(caliber.along >= begins, caliber.kept, 0.0))
     narrow = float(caliber.diameter[at])
-    widest = min(_widest(caliber, at, way, REACH) for way in (-1, 1))
-    if narrow <= (1 - SMALLEST_DEGREE + eased) * widest:
-        return (-1, 1), widest, SMALLEST_DEGREE
-    above, below = (_one_sided(caliber, at, way) for way in (-1, 1))
-    if run.parent >= 0 and below > above:
-        return (1,), below, SMALLEST_ONWARD if run.is_onward else SMALLEST_ONE_SIDED
-    return (-1,), min(above, _divided(run)) if run.division else 0.0, SMALLEST_ONE_SIDED
+    if narrow <= (1 - SMALLEST_DEGREE + eased) * _widest(own, at, -1, REACH):
+        return min(sides), SMALLEST_DEGREE
+    if begins <= caliber.along[0]:
+        return min(sides), SMALLEST_DEGREE
+    # Nothing of its own is wider before: it may begin narrower, as healthy vessels do.
+    return min(sides[0], _one_sided(caliber, at, 1)), SMALLEST_ONWARD
 
 
 def _alone(run: VesselRun, narrow: float, eased: float) -> Reference | None:
     """What the branches of a vessel between two junctions ask for, where it is much narrower."""
-    asked = _divided(run)
-    is_between = run.parent >= 0 and run.division and np.isfinite(asked)
-    is_narrow = is_between and narrow <= (1 - SMALLEST_ALONE + eased) * asked
+    calibers = np.array([one.caliber for one in run.division])
+    # A branch of which nothing is known leaves open what the others ask for.
+    is_between = run.parent >= 0 and len(calibers) > 0 and bool(calibers.all())
+    asked = float((calibers**MURRAY_EXPONENT).sum() ** (1 / MURRAY_EXPONENT)) if is_between else 0.0
+    is_narrow = narrow <= (1 - SMALLEST_ALONE + eased) * asked
     return Reference(None, None, asked) if is_narrow else None
+
+
+def _beyond(run: VesselRun, before: Plateau | None, after: Plateau | None, begins: float) -> float:
+    """How wide healthy vessel before a junction goes on beyond it, mm; NaN where none is between.
+
+    By the rule of flow, between what is wider than it and what is narrower than the vessel beyond.
+    """
+    if before is None or after is None or not run.beside or before.arc_length >= begins:
+        return np.nan
+    others = sum(one**MURRAY_EXPONENT for one in run.beside)
+    left = max(before.diameter**MURRAY_EXPONENT - others, 0.0) ** (1 / MURRAY_EXPONENT)
+    return float(np.clip(left, min(before.diameter, after.diameter), before.diameter))
 
 
 def _side(caliber: Caliber, at: int, way: int) -> tuple[Floats, Floats, Floats]:
@@ -235,26 +265,22 @@ def _one_sided(caliber: Caliber, at: int, way: int) -> float:
 
 
 def _healthy(caliber: Caliber, at: int, way: int, least: float) -> Plateau | None:
-    """The first part from a minimum on over which a vessel as wide as that widens no more."""
+    """The shoulder of a minimum: the first part as wide as that, much less steep than before."""
     away, diameter, kept = _side(caliber, at, way)
     is_cut = caliber.is_cut[way > 0]
     last = np.searchsorted(away, away + KEPT * kept, side="right")
+    tops = np.array([kept[first:end].max() for first, end in enumerate(last.tolist())])
+    rise = np.divide(tops, kept, out=np.ones(len(kept)), where=kept > 0) - 1
+    steepest = np.maximum.accumulate(rise)
     for first in np.flatnonzero(kept >= least).tolist():
-        if last[first] == len(away) and not is_cut and away[-1] - away[first] < KEPT * kept[first]:
+        part = slice(first, last[first])
+        if last[first] == len(away) and not is_cut and np.ptp(away[part]) < KEPT * kept[first]:
             return None
-        usual = float(np.quantile(diameter[first : last[first]], USUAL))
-        widest = kept[first : last[first]].max()
+        is_least = rise[first] <= rise[part].min()
+        is_gentle = rise[first] <= (LEAST_GENTLE if is_least else GENTLE) * steepest[first]
+        usual = float(np.quantile(diameter[part], USUAL))
         # What is wider than that slopes: the funnel of a junction.
-        if widest <= (1 + LEVEL * KEPT) * kept[first] and (1 - EDGE_DEGREE) * usual <= widest:
+        if is_gentle and (1 - EDGE_DEGREE) * usual <= tops[first]:
             middle = (away[first] + away[last[first] - 1]) / 2
             return Plateau(float(caliber.along[at] + way * middle), usual)
     return None
-
-
-def _divided(run: VesselRun) -> float:
-    """How wide a vessel is by the branches into which it divides, mm; without end if unknown."""
-    calibers = np.array([one.caliber for one in run.division])
-    # A branch of which nothing is known leaves open what the others ask for.
-    if not calibers.all():
-        return np.inf
-    return float((calibers**MURRAY_EXPONENT).sum() ** (1 / MURRAY_EXPONENT))

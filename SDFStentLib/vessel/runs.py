@@ -70,8 +70,13 @@ class VesselRun(NamedTuple):
     """Of the widest healthy part of what it leads to, mm; 0 where nothing is known."""
     outlets: int
     """To how many ends of the centerline it leads."""
-    is_onward: bool = False
-    """Whether its parent divides into it and none that is much wider: the vessel goes on in it."""
+    beside: tuple[float, ...] = ()
+    """Calibers of what else leaves its parent where it begins, or goes on there, mm."""
+
+    @property
+    def is_onward(self) -> bool:
+        """Whether none that is much wider begins beside it: its parent goes on in it, too."""
+        return bool(self.beside) and self.caliber >= SAME_CALIBER * max(self.beside)
 
     @property
     def points(self) -> Points:
@@ -93,13 +98,7 @@ def vessel_runs(lumens: Sequence[BranchLumen], limbs: Collection[int] = ()) -> l
         run, leaving = _run(tree, first, parent, found[parent].generation + 1 if parent >= 0 else 0)
         found.append(run)
         waiting += [(number, len(found) - 1) for number in leaving]
-    return [run._replace(is_onward=_is_onward(run, found)) for run in found]
-
-
-def _is_onward(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
-    division = runs[run.parent].division if run.parent >= 0 else ()
-    begins = run.along[0] in [one.arc_length for one in division]
-    return begins and run.caliber >= SAME_CALIBER * max(one.caliber for one in division)
+    return found
 
 
 def _usual_near(diameter: Floats, distance: Floats, otherwise: float) -> float:
@@ -174,8 +173,15 @@ def _run(tree: LumenTree, first: int, parent: int, generation: int) -> tuple[Ves
         generation,
         float(tree.calibers[first]),
         tree.outlets[first],
+        tuple(float(tree.calibers[one]) for one in _siblings(tree, first)),
     )
     return run, leaving + division
+
+
+def _siblings(tree: LumenTree, number: int) -> list[int]:
+    """What else a branch of the tree divides into, beside one of these."""
+    above = tree.lumens[number].above
+    return [] if above < 0 else [one for one in tree.children[above] if one != number]
 
 
 def _ostium(lumen: Stretch, is_own: Flags) -> int:
