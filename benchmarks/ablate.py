@@ -140,8 +140,10 @@ def main() -> None:
     found = [{"name": "", "value": None, **counts(trees)}]
     for _, name, value in numbers(chosen.only):
         for factor in FACTORS:
-            with changed(name, factor * value):
-                found.append({"name": name, "value": factor * value, **counts(trees)})
+            # A quantile ends at 1.
+            tried = min(factor * value, 1.0) if name == "USUAL" else factor * value
+            with changed(name, tried):
+                found.append({"name": name, "value": tried, **counts(trees)})
     print(table(found))
     if chosen.json:
         chosen.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
