@@ -115,7 +115,11 @@ def measured_once(
 
 
 def measured_after(
-    before: Stations, moved: MovedWall, surface: Surface, wall: Triangles | None = None
+    before: Stations,
+    moved: MovedWall,
+    surface: Surface,
+    wall: Triangles | None = None,
+    outside: Flags | None = None,
 ) -> Stations:
     """The result of `measured_at` for a vessel after treatment; stations that no moved wall is
     near keep their results.
@@ -130,11 +134,17 @@ def measured_after(
         The vessel after it.
     wall : (k, 3) array, optional
         Its triangles that spheres see.
+    outside : (n,) bool array, optional
+        The stations that are known to be outside of it: there is no sphere.
     """
     points, directions = before.points, before.directions
     centers, radii = before.spheres.centers.copy(), before.spheres.radii.copy()
     equivalent = before.equivalent.copy()
-    changed = np.flatnonzero(moved.comes_near(centers, _BESIDE * radii) | ~(radii > 0))
+    is_changed = moved.comes_near(centers, _BESIDE * radii) | ~(radii > 0)
+    if outside is not None:
+        is_changed &= ~outside
+        centers[outside], radii[outside] = np.nan, np.nan
+    changed = np.flatnonzero(is_changed)
     seen = surface.triangles if wall is None else wall
     centers[changed], radii[changed] = inscribed_spheres(
         surface.points, seen, points[changed], directions[changed]

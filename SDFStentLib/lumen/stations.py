@@ -35,6 +35,13 @@ class Stations(NamedTuple):
         points, directions, spheres, equivalent = self
         return Stations(points[which], directions[which], spheres.at(which), equivalent[which])
 
+    def among(self, which: Indices, points: Points, directions: Points) -> Stations:
+        """These stations as some of others; nothing is known at the rest."""
+        centers, values = np.full((len(points), 3), np.nan), np.full((2, len(points)), np.nan)
+        centers[which] = self.spheres.centers
+        values[:, which] = self.spheres.radii, self.equivalent
+        return Stations(points, directions, InscribedSpheres(centers, values[0]), values[1])
+
     def followed_by(self, others: Stations) -> Stations:
         """These stations followed by others of the same surface."""
         spheres = zip(self.spheres, others.spheres, strict=True)

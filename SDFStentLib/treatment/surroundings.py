@@ -7,6 +7,8 @@ from dataclasses import replace
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
+import numpy as np
+
 from ..centerline import Centerline
 from ..geometry import Line, NamedFaces, Surface
 from ..lumen import (
@@ -165,13 +167,18 @@ def surroundings(
     """
     along, wall = survey.stations, survey.wall
     beside = NeighborStations(states, survey.ways)
-    known = measured_once(states.native, beside.points, beside.directions, wall)
+    inside = np.flatnonzero(~beside.outside[0])
+    places = beside.points[inside], beside.directions[inside]
+    known = measured_once(states.native, *places, wall).among(
+        inside, beside.points, beside.directions
+    )
     # Many stations together are measured in little more time than few.
     before = survey.measured.followed_by(known)
     # A cap that the stent has bulged is no wall either.
     moved = moved_wall(states.native, states.final)
-    after = measured_after(before, moved, states.final, wall.triangles)
     own, rest = slice(len(along.points)), slice(len(along.points), None)
+    outside = np.r_[np.zeros(len(along.points), dtype=bool), beside.outside[1]]
+    after = measured_after(before, moved, states.final, wall.triangles, outside)
     return Surroundings(
         profile_around(states.final, along, after.at(own), wall.caps),
         beside.lumens(before.at(rest), after.at(rest)),

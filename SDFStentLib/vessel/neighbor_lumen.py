@@ -20,7 +20,7 @@ from ..lumen import (
     near_wall,
     rays_from,
 )
-from ..validation import Floats, Indices, Points
+from ..validation import Flags, Floats, Indices, Points
 from .neighbor_ways import DISTAL, PROXIMAL, SHORTEST, NeighborWay
 
 NOTICEABLE = 0.05
@@ -111,31 +111,31 @@ class NeighborStations:
     ----------
     points, directions : (n, 3) arrays
         mm, and unit directions of the ways.
+    outside : (2, n) bool array
+        Whether they lie out of the vessel before any stent and after all, such as on a cap at the
+        end of a way, or where a wall was moved past them: no sphere there tells of this lumen.
     """
 
     points: Points
     directions: Points
+    outside: Flags
 
     def __init__(self, states: VesselStates, ways: Iterable[NeighborWay]) -> None:
         moved = _Moved(states.found, states.left)
         self._parts = [part for way in ways if (part := moved.part_of(way)) is not None]
         surfaces = states.native, states.final
-        self._final = states.final
         self._worst = [_worst(part, surfaces) for part in self._parts]
         own = list(zip(self._parts, self._worst, strict=True))
         nothing = np.empty((0, 3))
         self.points = np.concatenate([nothing, *(part.stations.points[at] for part, at in own)])
         along = (part.stations.directions[at] for part, at in own)
         self.directions = np.concatenate([nothing, *along])
+        self.outside = ~np.array([surface.contains(self.points) for surface in surfaces])
 
     def lumens(self, before: Stations, after: Stations) -> tuple[NeighborLumen, ...]:
         """The lumens, of which the stations are measured before any stent and after all."""
         measured = np.array([(2 * one.spheres.radii, one.equivalent) for one in (before, after)])
-        # Where no section goes round a station, the wall may have been moved past it.
-        doubtful = np.flatnonzero(np.isnan(after.equivalent))
-        if len(doubtful):
-            is_in = self._final.contains(self.points[doubtful])
-            measured[1, 0, doubtful[~is_in]] = np.nan
+        measured[:, 0][self.outside] = np.nan
         ends = np.cumsum([len(at) for at in self._worst])[:-1]
         each = zip(self._parts, self._worst, np.split(measured, ends, axis=2), strict=False)
         return tuple(_lumen(part, at, pairs) for part, at, pairs in each)
