@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Precision, faces_at
-from ..validation import Indices, Points, Triangles
+from ..validation import Flags, Indices, Points, Triangles
 from .face_quality import Slivers, degenerate_triangles, inverted_triangles, slivers_among
 from .intersections import intersecting_pairs, self_intersecting_triangles
 from .spots import FaultSpot, spots_of
@@ -82,6 +83,10 @@ class Comparison:
     def __init__(self, before: Points, triangles: Triangles, precision: Precision) -> None:
         self.triangles = triangles
         self._precision, self._before = precision, precision.stored(before)
+        # Of the input's faces, by kind of fault: which were judged, and which have it.
+        self._judged: defaultdict[Judge, Flags] = defaultdict(
+            lambda: np.zeros((2, len(triangles)), dtype=bool)
+        )
 
     def verdict(
         self,
@@ -151,8 +156,13 @@ class Comparison:
         return slivers_among(verdict.stored / scale, self.triangles, among, self._before / scale)
 
     def _anew(self, faulty: Judge, now: Indices) -> Indices:
-        """The faces that are faulty now and were not in the input."""
-        return np.setdiff1d(now, faulty(self._before, self.triangles, now))
+        """The faces that are faulty now and were not in the input, each of which is judged once."""
+        was_judged, was_faulty = self._judged[faulty]
+        first = now[~was_judged[now]]
+        if len(first):
+            was_judged[first] = True
+            was_faulty[faulty(self._before, self.triangles, first)] = True
+        return now[~was_faulty[now]]
 
     def _nothing_moved(self) -> Verdict:
         at_points, at_faces = (
