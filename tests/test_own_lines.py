@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from round_tubes import chain, circle, contoured, random_tree
 from scipy.spatial import Delaunay, cKDTree
 
 from benchmarks.phantoms import (
@@ -143,7 +144,7 @@ def test_a_part_that_hangs_free_is_left_out_and_an_end_of_it_that_is_named_refus
         extract_centerline(both, near, [far])
 
 
-def test_a_rounded_end_is_named_and_ends_without_any_are_refused():
+def test_a_rounded_end_is_found_or_named_and_a_lumen_without_any_is_refused():
     tube = straight_tube(radius=3.0, length=30.0)
     squeezed = tube.points.copy()
     low, high = squeezed[:, 2].min(), squeezed[:, 2].max()
@@ -155,8 +156,83 @@ def test_a_rounded_end_is_named_and_ends_without_any_are_refused():
     found = extract_centerline(round_one, tips[0], [tips[1]])
     inner = found.lines.points[np.abs(found.lines.points[:, 2] - (low + high) / 2) < 9.0]
     assert norm(inner[:, :2]).max() < 0.1
-    with pytest.raises(InputError, match="expected open ends or flat caps"):
-        extract_centerline(round_one)
+    by_itself = extract_centerline(round_one)
+    assert norm(by_itself.centerline.points[:, :2]).max() < 0.15
+    assert np.ptp(by_itself.centerline.points[:, 2]) > 0.75 * (high - low)
+    with pytest.raises(InputError, match="longer than wide, found 0"):
+        extract_centerline(round_one.with_points(squeezed * [1.0, 1.0, 0.15]))
+
+
+STRAIGHT = [(0, 0, 0), (0, 0, 36)]
+
+
+@pytest.mark.parametrize(
+    ("pieces", "lines"),
+    [
+        (chain(STRAIGHT, 3) + chain([(0, 0, 15), (14, 0, 15)], 2), 2),
+        (chain(STRAIGHT, 6) + chain([(0, 0, 15), (14, 0, 15)], 1.2), 2),
+        (chain(STRAIGHT, 3) + chain([(0, 0, 15), (5, 0, 15)], 3), 1),  # a stub as wide as long
+        (chain(STRAIGHT, 3) + chain([(5, 0, 18), (5.01, 0, 18)], 4), 1),  # an aneurysm's sac
+        ([((0, 0, 0), (0, 0, 18), 3, 7), ((0, 0, 18), (0, 0, 36), 7, 3)], 1),
+        ([((0, 0, 0), (0, 0, 18), 3, 0.9), ((0, 0, 18), (0, 0, 36), 0.9, 3)], 1),
+        (chain(STRAIGHT, 3) + chain([(0, 0, 0), (14, 0, 0), (7, 0, 18), (14, 0, 36)], 3), 1),
+    ],
+    ids=["branch", "thin branch", "stub", "sac", "fusiform", "throat", "walls 1 mm apart"],
+)
+def test_round_ends_longer_than_wide_have_lines_and_bulges_have_none(pieces, lines):
+    found = extract_centerline(contoured(pieces, 0.5))
+    assert len(found.lines.lines) == lines
+    assert found.warnings == ()
+
+
+@pytest.mark.parametrize("seed", [105, 110, 118])
+def test_every_round_end_of_a_random_tree_has_its_line_and_nothing_else(seed):
+    pieces, ends = random_tree(seed)
+    tree = extract_centerline(contoured(pieces, 0.55)).centerline
+    found = tree.points[[*tree.roots, *tree.leaves]]
+    assert len(found) == len(ends)
+    for middle, radius in ends:
+        assert norm(found - middle).min() < radius
+    assert norm(found[:1] - ends[0][0])[0] < ends[0][1]  # the widest is the inlet
+
+
+@pytest.mark.parametrize("seed", range(300, 340))
+@pytest.mark.bench
+def test_every_round_end_of_many_random_trees_has_its_line(seed):
+    pieces, ends = random_tree(seed)
+    tree = extract_centerline(contoured(pieces, 0.55)).centerline
+    found = tree.points[[*tree.roots, *tree.leaves]]
+    assert all(norm(found - middle).min() < radius for middle, radius in ends)
+
+
+@pytest.mark.parametrize("at", [(-15, 0), (0, 15)], ids=["even", "uneven"])
+def test_both_limbs_of_a_loop_have_lines_and_it_is_said(at):
+    stems = chain([(15, 0, 0), (35, 0, 0)], 3) + chain([(*at, 0), (2.5 * at[0], 2.5 * at[1], 0)], 3)
+    surface = contoured(chain(circle(15), 2.5) + stems, 0.6)
+    found = extract_centerline(surface)
+    (caution,) = found.warnings
+    assert "Limbs that meet again: 1, one near (" in caution.sentence()
+    # Nowhere on the ring is the next line farther than some steps along it.
+    assert distances(circle(15, 90), found.lines.points).max() < 2.0
+    ends = np.array([[35.0, 0, 0], [2.5 * at[0], 2.5 * at[1], 0]])
+    assert distances(ends, found.lines.points).max() < 2.0
+
+
+def distances(places, points):
+    return cKDTree(points).query(places)[0]
+
+
+def test_a_round_end_beside_flat_ones_is_found():
+    tube = straight_tube(radius=3.0, length=30.0)
+    low = tube.points[:, 2] < tube.points[:, 2].mean()
+    depth = np.clip(1 - (tube.points[:, 2].max() - tube.points[:, 2]) / 3.0, 0, 0.995)
+    points = tube.points.copy()
+    points[:, :2] *= np.where(low, 1.0, np.sqrt(1 - depth**2))[:, None]
+    tree = extract_centerline(Surface(points, tube.triangles)).centerline
+    (root,) = tree.roots
+    assert tree.points[root][2] < points[:, 2].min() + 0.1
+    assert len(tree.leaves) == 1
+    assert tree.points[tree.leaves[0]][2] > points[:, 2].max() - 4.6
 
 
 def test_the_command_needs_no_other_package(tmp_path, capsys, monkeypatch):

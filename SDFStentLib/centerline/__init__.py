@@ -19,6 +19,7 @@ from .root import WIDER as WIDER
 from .root import Widths as Widths
 from .stretches import Stretch as Stretch
 from .stretches import joined_lumens as joined_lumens
+from .tips import round_ends as round_ends
 from .widest_ways import ExtractedLines as ExtractedLines
 from .widest_ways import WidestWays as WidestWays
 from .widest_ways import with_places as with_places

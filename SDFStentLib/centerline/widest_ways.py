@@ -22,6 +22,11 @@ NEAR = 32
 have no neighbors."""
 
 
+BACK = 3.0
+"""So many radii back, ways that come to a place from two limbs are so far apart; across one vessel
+they are at most two apart."""
+
+
 class ExtractedLines(NamedTuple):
     """Lines from the inlet to every outlet, which overlap upstream."""
 
@@ -66,7 +71,7 @@ class WidestWays:
         one, other = balls.links.T
         lengths = norm(balls.centers[one] - balls.centers[other])
         costs = lengths * (1 / balls.radii[one] + 1 / balls.radii[other]) / 2
-        cost, self._former = _cheapest(balls.links, costs, len(balls.radii), inlet)
+        cost, self._former = cheapest(balls.links, costs, len(balls.radii), inlet)
         self.is_reached = np.isfinite(cost)
 
     def to(self, ball: int) -> Indices:
@@ -88,6 +93,10 @@ class WidestWays:
                     under.append(below)
         return list(_parted(self.inlet, children, self._widths(children)))
 
+    def meetings(self) -> Indices:
+        """`limbs_met` of these ways."""
+        return limbs_met(self.balls, self._former)
+
     def _widths(self, children: dict[int, list[int]]) -> dict[int, float]:
         """The widest mean radius, by length, of a way that goes on from every ball of a tree."""
         order = [self.inlet]
@@ -106,7 +115,49 @@ class WidestWays:
         return {ball: _mean(value) for ball, value in beyond.items()}
 
 
-def _cheapest(links: Indices, costs: Floats, count: int, source: int) -> tuple[Floats, Indices]:
+def limbs_met(balls: InnerBalls, former: Indices) -> Indices:
+    """Where limbs of a lumen that have parted meet again.
+
+    Parameters
+    ----------
+    balls : InnerBalls
+    former : (n,) array of int
+        The ball before each on its way from where all ways begin, negative there.
+
+    Returns
+    -------
+    (j, 2) array
+        At every place where they do two neighbors whose ways come from different limbs.
+    """
+    centers, radii, links = balls
+    own = np.arange(len(radii))
+    onward = np.where(former >= 0, former, own)
+    strides = [(onward, norm(centers[onward] - centers), radii[onward])]
+    # Ends: strides double until they are long enough, or lead to where all begin.
+    while (is_short := strides[-1][1] < BACK * strides[-1][2]).any():
+        after, length, width = strides[-1]
+        if not is_short[after != after[after]].any():
+            break
+        width = np.maximum(width, width[after])
+        strides.append((after[after], length + length[after], width))
+    before, walked, widest = own, np.zeros(len(radii)), radii
+    for after, length, width in reversed(strides):
+        far, wide = walked + length[before], np.maximum(widest, width[before])
+        is_short = far < BACK * wide
+        before = np.where(is_short, after[before], before)
+        walked, widest = np.where(is_short, far, walked), np.where(is_short, wide, widest)
+    before = onward[before]
+    one, other = before[links].T
+    met = links[norm(centers[one] - centers[other]) > BACK * widest[links].max(axis=1)]
+    found: list[Indices] = []
+    for pair in met[np.argsort(-widest[met].max(axis=1), kind="stable")]:
+        reach = BACK * widest[pair].max()
+        if all(norm(centers[one] - centers[pair]).max() > reach for one in found):
+            found.append(pair)
+    return np.array(found, dtype=np.int64).reshape(-1, 2)
+
+
+def cheapest(links: Indices, costs: Floats, count: int, source: int) -> tuple[Floats, Indices]:
     """The least cost of every one of so many balls from one of them, infinite where none leads
     there, and the ball before it; negative where there is none."""
     from scipy.sparse import coo_array

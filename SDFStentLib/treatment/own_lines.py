@@ -9,7 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..cautions import Caution
-from ..centerline import Centerline, ExtractedLines, WidestWays, inner_balls, with_places
+from ..centerline import (
+    Centerline,
+    ExtractedLines,
+    InnerBalls,
+    WidestWays,
+    inner_balls,
+    round_ends,
+    with_places,
+)
 from ..geometry import Line, Surface, as_surface, norm
 from ..lumen import inscribed_spheres
 from ..validation import (
@@ -17,11 +25,13 @@ from ..validation import (
     Flags,
     Floats,
     Indices,
+    InputError,
     Points,
+    as_place,
     as_point,
     coordinates,
 )
-from ..vessel import line_seeds
+from ..vessel import KnownEnds, known_ends
 
 STEP = 0.2
 """Distance of two points of a line, in radii of the lumen."""
@@ -62,9 +72,10 @@ def extract_centerline(
     Parameters
     ----------
     surface : Surface
-        mm; its ends are open or closed by flat caps.
+        mm; its ends are open, closed by flat caps, or round and longer than they are wide.
     inlet : array_like, shape (3,), optional
-        Names the proximal end, mm; by default the largest.
+        Names the proximal end, mm; by default the largest that is open or flat, or else the
+        widest round one.
     outlets : sequence of array_like, shape (3,), optional
         Name the other ends; all that are found by default. A place away from every open end and
         flat cap stands for the point of the wall beside it, such as the tip of a rounded end.
@@ -78,27 +89,62 @@ def extract_centerline(
     """
     surface = as_surface(surface)
     start = None if inlet is None else as_point(inlet, "inlet")
-    seeds = line_seeds(surface, start, [as_point(outlet, "outlet") for outlet in outlets])
-    places = seeds.surface.points[[seeds.inlet, *seeds.outlets]]
-    balls = with_places(inner_balls(seeds.surface), places)
-    first, *ends = (len(balls.radii) - len(places) + np.arange(len(places))).tolist()
-    ways = WidestWays(balls, first)
-    reached = [end for end in ends if ways.is_reached[end]]
-    apart = [end for end in ends if not ways.is_reached[end]]
-    if apart and (len(outlets) or not reached):
+    named = [as_point(outlet, "outlet") for outlet in outlets]
+    seeds = known_ends(surface, start, named)
+    goals = _goals(seeds, bool(named))
+    ways = WidestWays(goals.balls, goals.inlet)
+    reached = [end for end in goals.ends if ways.is_reached[end]]
+    apart = [end for end in goals.ends if not ways.is_reached[end]]
+    if apart and (named or not reached):
         raise DeploymentError(
             "no centerline found: the lumen does not lead to the end at "
-            f"{coordinates(balls.centers[apart[0]])} mm; look for holes and folds with sdfstent "
-            "check."
+            f"{coordinates(goals.balls.centers[apart[0]])} mm; look for holes and folds with "
+            "sdfstent check."
         )
-    drawn = _Drawing(ways.tree(reached), balls.centers, balls.radii)
+    # Of ends that are named, the one way is meant.
+    meetings = ways.meetings() if not named else np.empty((0, 2), dtype=np.int64)
+    drawn = _Drawing(ways.tree([*reached, *meetings.ravel().tolist()]), *goals.balls[:2])
     triangles = seeds.surface.wound_triangles
     # The middles of ends are new points; nothing shall limit the spheres there.
     is_new = np.asarray(~np.isin(seeds.surface.points, surface.points).all(axis=1))
     drawn.onto_spheres(seeds.surface.points, triangles[~is_new[triangles].any(axis=1)])
-    lines = tuple(drawn.line_to(end) for end in reached)
-    warnings = (Caution("ends-apart", {"count": len(apart)}),) if apart else ()
-    return Extraction(ExtractedLines(drawn.points, lines, drawn.radii), warnings)
+    lines = [drawn.line_to(end) for end in reached]
+    for limb, other in meetings.tolist():
+        last = drawn.line_to(limb)
+        lines += [last, np.append(drawn.line_to(other), last[-1])]
+    warnings = [Caution("ends-apart", {"count": len(apart)})] if apart else []
+    if count := len(meetings):
+        place = as_place(goals.balls.centers[meetings[0, 0]])
+        warnings.append(Caution("limbs-meet", {"count": count}, place))
+    return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), tuple(warnings))
+
+
+class _Goals(NamedTuple):
+    """Between which balls of a lumen lines are drawn."""
+
+    balls: InnerBalls
+    inlet: int
+    ends: list[int]
+
+
+def _goals(seeds: KnownEnds, are_named: bool) -> _Goals:
+    """The ends of a surface, and round ones besides if they are not named."""
+    given = [*([] if seeds.inlet is None else [seeds.inlet]), *seeds.outlets]
+    inner = inner_balls(seeds.surface)
+    balls = with_places(inner, seeds.surface.points[given]) if given else inner
+    known = len(inner.radii) + np.arange(len(given))
+    goals = known
+    if not are_named:
+        begin = None if seeds.inlet is None else int(known[0])
+        tips = round_ends(balls, begin, known, seeds.surface)
+        goals = np.r_[tips, known] if seeds.inlet is None else np.r_[known, tips]
+    if len(goals) < 2:
+        raise InputError(
+            "surface: expected two ends or more, open, flat, or round and longer than wide, found "
+            f"{len(goals)}; cut the ends flat, or name the inlet and every outlet."
+        )
+    inlet, *ends = goals.tolist()
+    return _Goals(balls, inlet, ends)
 
 
 class _Drawing:

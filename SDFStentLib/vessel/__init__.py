@@ -30,9 +30,11 @@ from .ostia import Ostium as Ostium
 from .ostia import find_ostia as find_ostia
 from .tree_around import branch_of as branch_of
 from .vessel_ends import BESIDE_TIP as BESIDE_TIP
+from .vessel_ends import KnownEnds as KnownEnds
 from .vessel_ends import LineSeeds as LineSeeds
 from .vessel_ends import VesselEnd as VesselEnd
 from .vessel_ends import ends_without_line as ends_without_line
+from .vessel_ends import known_ends as known_ends
 from .vessel_ends import line_seeds as line_seeds
 from .vessel_ends import vessel_ends as vessel_ends
 from .vessel_parts import VesselParts as VesselParts

@@ -97,10 +97,46 @@ def _is_crossed(end: VesselEnd, starts: Points, stops: Points) -> bool:
     return bool((norm(places - end.center) < end.radius).any())
 
 
+class KnownEnds(NamedTuple):
+    """The ends of a surface that are open, flat or named."""
+
+    surface: Surface
+    """Closed, with a point in the middle of every open and flat end."""
+    inlet: int | None
+    """Its point at the proximal end; None where that may only be a round one."""
+    outlets: tuple[int, ...]
+    """Its points at the others."""
+    end_count: int
+    """How many ends are open or flat."""
+
+
 def line_seeds(
     surface: Surface, inlet: Points | None = None, outlets: Sequence[Points] = ()
 ) -> LineSeeds:
-    """Where the centerlines of a vessel begin and end.
+    """Where the centerlines of a vessel begin and end; parameters as for `known_ends`.
+
+    Raises
+    ------
+    InputError
+        There is no end, only one, or as of `known_ends`.
+    """
+    found = known_ends(surface, inlet, outlets)
+    if found.inlet is None or not (found.end_count or found.outlets):
+        raise InputError(
+            "surface: expected open ends or flat caps, found neither; cut the ends flat, "
+            "or name the inlet and every outlet."
+        )
+    if not found.outlets:
+        raise InputError(
+            "surface: expected two open ends or flat caps or more, found one; name an outlet."
+        )
+    return LineSeeds(found.surface, found.inlet, found.outlets)
+
+
+def known_ends(
+    surface: Surface, inlet: Points | None = None, outlets: Sequence[Points] = ()
+) -> KnownEnds:
+    """The ends of a vessel that its surface tells, or that are named.
 
     Parameters
     ----------
@@ -115,27 +151,20 @@ def line_seeds(
     Raises
     ------
     InputError
-        There is no end, only one, or one is named that is not there or was named before.
+        An end is named that is not there or was named before.
     """
     ends = vessel_ends(surface)
-    if not ends and (inlet is None or not len(outlets)):
-        raise InputError(
-            "surface: expected open ends or flat caps, found neither; cut the ends flat, "
-            "or name the inlet and every outlet."
-        )
     closed = _closed(surface, ends)
-    centers = len(closed.points) - len(ends) + np.arange(len(ends))
-    start = int(centers[0]) if inlet is None else _named(closed, ends, inlet, "inlet")
+    centers = (len(closed.points) - len(ends) + np.arange(len(ends))).tolist()
+    start = centers[0] if ends else None
+    if inlet is not None:
+        start = _named(closed, ends, inlet, "inlet")
     targets = [
         _named(closed, ends, outlet, f"outlet {number}") for number, outlet in enumerate(outlets, 1)
-    ] or [int(center) for center in centers if center != start]
-    if not targets:
-        raise InputError(
-            "surface: expected two open ends or flat caps or more, found one; name an outlet."
-        )
+    ] or [center for center in centers if center != start]
     if len({start, *targets}) != 1 + len(targets):
         raise InputError("ends: expected each to be named once; two places name the same end.")
-    return LineSeeds(closed, start, tuple(targets))
+    return KnownEnds(closed, start, tuple(targets), len(ends))
 
 
 def _named(closed: Surface, ends: list[VesselEnd], place: Points, name: str) -> int:
