@@ -232,7 +232,7 @@ def _begun(
         diameters=np.r_[ends[0], run.diameter[inner], ends[1]],
         surface=surface,
         vessel=found.vessel,
-        generation=found.way.rank,
+        generation=found.run.generation,
     )
 
 
