@@ -58,7 +58,7 @@ def test_a_number_that_is_listed_once_is_told_at_every_door(result, monkeypatch)
     row = "<td>Trial number</td><td class='n'>1.23 mm</td><td class='n'>5.68 mm</td>"
     assert row in told["page"]
     assert "Trial number: 1.23 -> 5.68 mm." in told["short"]
-    assert "Trial number: 1.23 -> 5.68 mm." in told["verbose"]
+    assert "Stent 1 (main <3): Trial number: 1.23 -> 5.68 mm." in told["verbose"]
     assert (told["table"]["trial_before_mm"], told["table"]["trial_after_mm"]) == (1.234, 5.678)
     assert Tile("Trial number", "5.7 mm", "before 1.2 mm") in told["tiles"]
     assert "Trial number 1.2 -> 5.7 mm" in told["at hand"]
@@ -99,7 +99,7 @@ def test_a_value_that_treatment_does_not_change_can_be_told_at_a_glance(result, 
     told = told_everywhere(result)
     assert "<td>Trial number</td><td>1.23 mm</td>" in told["page"]
     assert "Trial number: 1.23 mm." in told["short"]
-    assert "Trial number: 1.23 mm." in told["verbose"]
+    assert "Stent 1 (main <3): Trial number: 1.23 mm." in told["verbose"]
     assert Tile("Trial number", "1.2 mm", "") in told["tiles"]
     assert "Trial number 1.2 mm" in told["at hand"]
     assert told["side by side"].count("<p>1.23 mm</p>") == 2

@@ -68,7 +68,7 @@ def test_the_handle_follows_a_place_and_frees_it_when_the_mouse_takes_it(
 
     np.testing.assert_allclose(handle(), lying(), atol=1e-9)
     assert ui.landmarkComboBox.visible
-    assert ui.landmarkComboBox.currentText.startswith("1 left pulmonary artery, 41 %")
+    assert ui.landmarkComboBox.currentText.startswith("1 left pulmonary artery, 40 %")
     assert ui.landmarkSpinBox.value == -100  # as it fits
     ui.landmarkSpinBox.value = 3.0
     assert planned(theInputs)[0].placement == AtLesion(1, 3.0)
