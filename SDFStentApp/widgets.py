@@ -218,9 +218,6 @@ class ComboBox(Widget):
         """Index of a text, or -1."""
         return self.items.index(text) if text in self.items else -1
 
-    def setItemText(self, index: int, text: str) -> None:
-        self.items = (*self.items[:index], text, *self.items[index + 1 :])
-
     def removeItem(self, index: int) -> None:
         self.items = (*self.items[:index], *self.items[index + 1 :])
         self.currentIndex = min(self.currentIndex, self.count - 1)

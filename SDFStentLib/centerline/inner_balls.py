@@ -30,6 +30,12 @@ class InnerBalls(NamedTuple):
     links: Indices
     """(k, 2) balls with three of the surface's points in common."""
 
+    @property
+    def link_lengths(self) -> Floats:
+        """Distances (k,) of the centers of linked balls, mm."""
+        one, other = self.links.T
+        return norm(self.centers[one] - self.centers[other])
+
 
 def inner_balls(surface: Surface) -> InnerBalls:
     """The empty balls inside of a surface.

@@ -49,10 +49,8 @@ class _Reach:
 
     def __init__(self, balls: InnerBalls, begin: int) -> None:
         self.balls = balls
-        centers, radii, links = balls
-        lengths = norm(centers[links[:, 0]] - centers[links[:, 1]])
-        self.away, self.former = cheapest(links, lengths, len(radii), begin)
-        self.reach = self.away + radii
+        self.away, self.former = cheapest(balls.links, balls.link_lengths, len(balls.radii), begin)
+        self.reach = self.away + balls.radii
         self.reach[~np.isfinite(self.away)] = -np.inf
 
     def tips(self, known: Indices, wall: Surface) -> list[int]:

@@ -21,7 +21,6 @@ NEAR = 32
 """So many balls nearest to a place may be the one at which it is entered: some few beside a wall
 have no neighbors."""
 
-
 BACK = 3.0
 """So many radii back, ways that come to a place from two limbs are so far apart; across one vessel
 they are at most two apart."""
@@ -69,8 +68,7 @@ class WidestWays:
     def __init__(self, balls: InnerBalls, inlet: int) -> None:
         self.balls, self.inlet = balls, inlet
         one, other = balls.links.T
-        lengths = norm(balls.centers[one] - balls.centers[other])
-        costs = lengths * (1 / balls.radii[one] + 1 / balls.radii[other]) / 2
+        costs = balls.link_lengths * (1 / balls.radii[one] + 1 / balls.radii[other]) / 2
         cost, self._former = cheapest(balls.links, costs, len(balls.radii), inlet)
         self.is_reached = np.isfinite(cost)
 

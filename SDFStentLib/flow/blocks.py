@@ -209,26 +209,24 @@ def blocks_of(
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
     resisted, bent, swept = (_from_starts(way, values) for values in (resisted, bent, swept))
     ends = {*outlets_of(channels), *meeting_of(channels)}
-    found = []
-    for number, (start, end) in enumerate(pairwise(way.starts)):
-        found.append(
-            Block(
-                friction=resisted[start:end],
-                mixing=jets.mixing[start:end] + swept[start:end],
-                dividing=jets.dividing[start:end],
-                taken=jets.taken[start:end],
-                turning=turning[number],
-                bending=bent[start:end],
-                jet=jet[start:end],
-                area=area[start:end],
-                beyond=max(jet[end - 1] - math.sqrt(2) / area[end - 1], 0.0) ** 2 / 2
-                if number in ends
-                else 0.0,
-                slenderness=float(slender[end - 1] - slender[start]),
-                length=float(way.step[start : end - 1].sum()),
-            )
+    return tuple(
+        Block(
+            friction=resisted[start:end],
+            mixing=jets.mixing[start:end] + swept[start:end],
+            dividing=jets.dividing[start:end],
+            taken=jets.taken[start:end],
+            turning=turning[number],
+            bending=bent[start:end],
+            jet=jet[start:end],
+            area=area[start:end],
+            beyond=max(jet[end - 1] - math.sqrt(2) / area[end - 1], 0.0) ** 2 / 2
+            if number in ends
+            else 0.0,
+            slenderness=float(slender[end - 1] - slender[start]),
+            length=float(way.step[start : end - 1].sum()),
         )
-    return tuple(found)
+        for number, (start, end) in enumerate(pairwise(way.starts))
+    )
 
 
 def _from_starts(way: ChannelStations, values: Floats) -> Floats:

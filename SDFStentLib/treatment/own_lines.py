@@ -105,17 +105,17 @@ def extract_centerline(
     meetings = ways.meetings() if not named else np.empty((0, 2), dtype=np.int64)
     drawn = _Drawing(ways.tree([*reached, *meetings.ravel().tolist()]), *goals.balls[:2])
     triangles = seeds.surface.wound_triangles
-    # The middles of ends are new points; nothing shall limit the spheres there.
-    is_new = np.asarray(~np.isin(seeds.surface.points, surface.points).all(axis=1))
-    drawn.onto_spheres(seeds.surface.points, triangles[~is_new[triangles].any(axis=1)])
+    # The middles of ends, the last points, are new; nothing shall limit the spheres there.
+    count = len(seeds.surface.points) - seeds.end_count
+    drawn.onto_spheres(seeds.surface.points, triangles[(triangles < count).all(axis=1)])
     lines = [drawn.line_to(end) for end in reached]
     for limb, other in meetings.tolist():
         last = drawn.line_to(limb)
         lines += [last, np.append(drawn.line_to(other), last[-1])]
     warnings = [Caution("ends-apart", {"count": len(apart)})] if apart else []
-    if count := len(meetings):
+    if len(meetings):
         place = as_place(goals.balls.centers[meetings[0, 0]])
-        warnings.append(Caution("limbs-meet", {"count": count}, place))
+        warnings.append(Caution("limbs-meet", {"count": len(meetings)}, place))
     return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), tuple(warnings))
 
 

@@ -107,7 +107,7 @@ class KnownEnds(NamedTuple):
     outlets: tuple[int, ...]
     """Its points at the others."""
     end_count: int
-    """How many ends are open or flat."""
+    """How many ends are open or flat: their middles are its last points."""
 
 
 def line_seeds(
