@@ -1,7 +1,6 @@
 """Alternatives: several plans for one vessel, each a parameter set with stents, method and results of its own."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import slicer
 from slicer.i18n import tr as _
@@ -15,11 +14,10 @@ from . import (
     Dependencies,
     Display,
     Handles,
-    Outputs,
-    Results,
     Showing,
 )
 from .Exporting import inNewFolder
+from .Leavings import seenNodes
 from .Portions import untilDone
 from .StentList import StentList
 
@@ -41,20 +39,9 @@ COPIED = (
 )
 """What a copy of a plan takes over, besides copies of its handles; its results it has to make."""
 
-SEEN_ROLES = ("outputVessel", "outputCenterline", "outputStents")
 HIDDEN_ATTRIBUTE = "SDFStent.HiddenWithPlan"
 SHOWN_ATTRIBUTE = "SDFStent.ShownWithPlan"
 LAST_ATTRIBUTE = "SDFStent.ShownLast"
-
-
-class Leavings(NamedTuple):
-    """What a plan has made in a scene: nodes, and the item of their folder, 0 without; and the vessel, or its segment, that it was for."""
-
-    scene: Any
-    nodes: list
-    folder: int
-    vessel: Any
-    segment: str
 
 
 class Alternatives:
@@ -122,43 +109,6 @@ class Alternatives:
         parameterNode.parameterNode.SetName(name)
         Display.nameFolder(parameterNode)
 
-    def removePlan(self, parameterNode):
-        """Remove a plan with its results and the handles that were made for it; what other plans use stays."""
-        leavings = self.leavings(parameterNode)
-        parameterNode.parameterNode.GetScene().RemoveNode(parameterNode.parameterNode)
-        self.removeLeavings(leavings)
-
-    def leavings(self, parameterNode):
-        """What a plan leaves in the scene when its parameters are removed, for `removeLeavings` then."""
-        scene = parameterNode.parameterNode.GetScene()
-        vessel = (parameterNode.vessel, Conversion.segmentOf(parameterNode))
-        return Leavings(scene, _ownNodes(parameterNode), _folderOf(parameterNode), *vessel)
-
-    def removeLeavings(self, leavings):
-        """Remove what a plan has left that no other one uses; the vessel is seen again where it has no plan any more."""
-        plans = [self.parameterSet(node) for node in self.getAllParameterNodes()]
-        kept = [used for plan in plans for used in (*_ownNodes(plan), plan.vessel, plan.centerline)]
-        for one in leavings.nodes:
-            if one not in kept and one.GetScene() is not None:
-                Handles.removeWhole(one)
-        hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(leavings.scene)
-        if leavings.folder and not hierarchy.GetNumberOfItemChildren(leavings.folder):
-            hierarchy.RemoveItem(leavings.folder)
-        shown = [(plan.vessel, Conversion.segmentOf(plan)) for plan in plans if plan.outputVessel]
-        if leavings.vessel is not None and (leavings.vessel, leavings.segment) not in shown:
-            Showing.setShown(leavings.vessel, True, leavings.segment)
-
-    def removeResults(self, parameterNode):
-        """Remove what a plan without stents has left of its last deployment: the vessel is seen as it is again."""
-        leavings = self.leavings(parameterNode)
-        self.forgetRun(parameterNode)
-        with slicer.util.NodeModify(parameterNode):
-            for role in Display.OUTPUT_ROLES:
-                setattr(parameterNode, role, None)
-            Results.clearNumbers(parameterNode)
-        self.removeLeavings(leavings)
-        self.showPlan(parameterNode)
-
     def markShown(self, parameterNode):
         """Let the scene remember which plan is shown; none with None."""
         shown = None if parameterNode is None else parameterNode.parameterNode
@@ -207,8 +157,8 @@ class Alternatives:
         """
         sets = [self.parameterSet(node) for node in self.getAllParameterNodes()]
         others = [one for one in sets if one is not parameterNode]
-        own = _seenNodes(parameterNode)
-        for node in (node for other in others for node in _seenNodes(other)):
+        own = seenNodes(parameterNode)
+        for node in (node for other in others for node in seenNodes(other)):
             if node not in own:
                 Showing.changeOver(node, HIDDEN_ATTRIBUTE, False)
         for node in own:
@@ -270,39 +220,6 @@ def _withOwnHandles(parameterNode):
             copies[handle] = Handles.copyHandle(handle, values["name"])
         values["handle"] = copies[handle]
     return stents
-
-
-def _seenNodes(parameterNode):
-    """What is seen of a plan in the views: results, and handles that were made for it."""
-    results = [getattr(parameterNode, role) for role in SEEN_ROLES]
-    handles = [stent.handle for stent in parameterNode.stents]
-    made = [node for node in handles if node and node.GetAttribute(Handles.HANDLE_ATTRIBUTE)]
-    return [node for node in (*results, *made) if node is not None]
-
-
-def _ownNodes(parameterNode):
-    """All that a plan has made in the scene."""
-    chart = parameterNode.outputChart
-    count = 0 if chart is None else chart.GetNumberOfPlotSeriesNodes()
-    found = [
-        *_seenNodes(parameterNode),
-        parameterNode.outputTable,
-        parameterNode.outputTexts,
-        *(chart.GetNthPlotSeriesNode(index) for index in range(count)),
-        chart,
-    ]
-    return [
-        node
-        for node in found
-        if node is not None
-        and not (node.IsA("vtkMRMLModelNode") and node.GetAttribute(Outputs.ATTRIBUTE) is None)
-    ]
-
-
-def _folderOf(parameterNode):
-    """The item of the folder with the plan's results; 0 without one."""
-    node = parameterNode.outputVessel
-    return 0 if node is None else Display.resultsFolder(node)
 
 
 def _showVessel(parameterNode, othersDeployed):

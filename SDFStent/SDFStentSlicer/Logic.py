@@ -29,6 +29,7 @@ from .Dragging import Dragging
 from .Exporting import Exporting, Segments
 from .Fitting import Fitting
 from .Inputs import Inputs
+from .Leavings import Removing
 from .ParameterNode import stentOf, stentsOf
 from .ParameterSets import ParameterSets
 from .PlanFields import REMEDIES, SIZING
@@ -41,7 +42,7 @@ from .SurfaceOutput import Shown
 
 
 class SDFStentLogic(
-    *(Planning, Fitting, Suggesting, Alternatives, Segments, Exporting, ParameterSets),
+    *(Planning, Fitting, Suggesting, Alternatives, Removing, Segments, Exporting, ParameterSets),
     ScriptedLoadableModuleLogic,
 ):
     """Deploys the stents of a parameter node.
