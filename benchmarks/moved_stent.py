@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from SDFStentLib.geometry import Precision
-from SDFStentLib.plan import Case, Plan, TreatedCase
-from SDFStentLib.plan.inputs import read_input_files
+from SDFStentLib.plan import Case, Plan, TreatedCase, read_input_files
 from SDFStentLib.stent import AtLesion, Stent
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"

@@ -88,3 +88,14 @@ def test_the_published_rule_leaves_the_lumen_that_the_paper_tells(data_dir):
 
 
 # How it is told ----------------------------------------------------------------------------------
+
+
+def test_processes_of_two_checkouts_are_timed_in_turn():
+    speed = benchmark("speed")
+    row = speed.Row("printed", ("-c", "print('[0.5, 1.5]')"), is_own=True)
+    runs = [speed.run(row, PROJECT) for _ in range(2)]
+    assert [(one.seconds, one.processor) for one in runs] == [(1.0, 1.0)] * 2
+    assert runs[0].megabytes > 1
+    assert_is_table(speed.table({"printed": runs, "again": runs}))
+    with pytest.raises(SystemExit, match="ended with 5"):
+        speed.run(speed.Row("refused", ("-c", "raise SystemExit(5)")), PROJECT)
