@@ -1,0 +1,14 @@
+"""What an angiographer sees: where the C-arm looks, and what it shows of a vessel."""
+
+from .arm import ArmLimits as ArmLimits
+from .arm import ArmView as ArmView
+from .arm import arm_axes as arm_axes
+from .arm import arm_limits as arm_limits
+from .arm import arm_view as arm_view
+from .best import APART as APART
+from .best import GRID as GRID
+from .best import SeenView as SeenView
+from .best import Shown as Shown
+from .best import ViewMap as ViewMap
+from .best import WorkingViews as WorkingViews
+from .best import working_views as working_views
