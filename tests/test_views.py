@@ -193,7 +193,8 @@ def test_the_best_view_is_across_the_vessel_and_free():
 def test_both_frames_give_the_same_views():
     one = working_views(shown(BENT), arm_limits())
     other = working_views(shown(BENT * (-1, -1, 1), frame="RAS"), arm_limits())
-    assert one.best == pytest.approx(other.best)
+    assert one.best.view == other.best.view
+    assert one.best[1:4] == pytest.approx(other.best[1:4])
     assert one.map.seen == pytest.approx(other.map.seen)
 
 
