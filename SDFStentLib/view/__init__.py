@@ -1,5 +1,9 @@
 """What an angiographer sees: where the C-arm looks, and what it shows of a vessel."""
 
+from .angiogram import ATTENUATION as ATTENUATION
+from .angiogram import Angiogram as Angiogram
+from .angiogram import angiogram as angiogram
+from .angiogram import beam_on as beam_on
 from .arm import ArmLimits as ArmLimits
 from .arm import ArmView as ArmView
 from .arm import arm_axes as arm_axes
@@ -12,3 +16,6 @@ from .best import Shown as Shown
 from .best import ViewMap as ViewMap
 from .best import WorkingViews as WorkingViews
 from .best import working_views as working_views
+from .rays import SOURCE as SOURCE
+from .rays import Beam as Beam
+from .rays import path_lengths as path_lengths
