@@ -49,7 +49,7 @@ USES = {
     "vessel": "geometry centerline lumen",
     "flow": "geometry centerline lumen vessel",
     "segment": "geometry centerline vessel",
-    "view": "geometry centerline",
+    "view": "geometry centerline vessel",
     "treatment": "geometry centerline certificate flow lumen stent deformation vessel segment",
     "plan": "geometry centerline files flow lumen stent deformation treatment vessel",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",

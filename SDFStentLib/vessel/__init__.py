@@ -8,6 +8,7 @@ from .branch_names import branch_names as branch_names
 from .given_names import VesselName as VesselName
 from .given_names import given_names as given_names
 from .lesion_measuring import lesions_after as lesions_after
+from .lesion_sections import OWN_SECTION as OWN_SECTION
 from .lesion_sections import tightest as tightest
 from .lesion_value import HealthyPlace as HealthyPlace
 from .lesion_value import Lesion as Lesion
