@@ -23,7 +23,6 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
         yield from _expand(run)
         if mayGoOn():
             yield from working(run.survey(), fraction=lambda: 1.0)
-        surface.show(run.points)
     else:
         shown.run = run
         surface.hideOutline()
@@ -31,8 +30,11 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
             yield from _expand(run, surface)
         finally:
             surface.showOutline()
+    # Before anything is shown: what comes of it is seen in one frame.
+    lines = yield from working(run.lines(), fraction=lambda: 1.0)
+    if isPreviewed:
+        surface.show(run.points)
     surface.showOutline()
-    lines = yield from working(run.lines())
     shown.run, shown.signature = run, signature
     Results.showEnd(parameterNode, run, lines)
     Results.showMap(parameterNode, run)
