@@ -7,6 +7,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkFiltersCore import vtkMarchingCubes, vtkQuadricDecimation
 
 from benchmarks.phantoms import branching_pulmonary_artery
+from benchmarks.sweep import vessel as anatomy
 from SDFStentLib.files import polydata_from_arrays
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import caps_of, flat_caps
@@ -115,15 +116,27 @@ def test_the_steps_of_a_segmentation_are_no_ends(seed):
         assert min(np.linalg.norm(center - tip) / radius for tip, radius in tips) < 1.35
 
 
-@pytest.mark.parametrize("share", [0.5, 0.8, 0.9])
-def test_a_vessel_with_few_faces_left_has_its_ends(share):
-    """Decimated by quadrics: the caps have few faces, the wall has flat spots."""
+def decimated(surface, share):
+    """A surface of which a share of the triangles is taken away, by quadrics."""
     lesser = vtkQuadricDecimation()
-    lesser.SetInputData(polydata_from_arrays(PULMONARY.points, PULMONARY.triangles))
+    lesser.SetInputData(polydata_from_arrays(surface.points, surface.triangles))
     lesser.SetTargetReduction(share)
     lesser.Update()
-    ends = vessel_ends(as_arrays(lesser.GetOutput()))
+    return as_arrays(lesser.GetOutput())
+
+
+@pytest.mark.parametrize("share", [0.5, 0.8, 0.9])
+def test_a_vessel_with_few_faces_left_has_its_ends(share):
+    """The caps have few faces, the wall has flat spots."""
+    ends = vessel_ends(decimated(PULMONARY, share))
     assert len(ends) == 3
     for known in PULMONARY.openings:
         away = min(np.linalg.norm(end.center - known.center) for end in ends)
         assert away < 0.6 * known.radius
+
+
+@pytest.mark.parametrize("share", [0.5, 0.8, 0.9, 0.95])
+@pytest.mark.parametrize("name", ["aorta_iliac", "pulmonary"])
+def test_a_patient_with_few_faces_left_has_its_ends(name, share):
+    """Decimation tilts the faces of a cap against each other, by some degrees."""
+    assert len(vessel_ends(decimated(anatomy(name).surface, share))) == 3

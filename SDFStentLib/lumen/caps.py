@@ -27,12 +27,14 @@ from ..geometry import (
 from ..validation import Flags, Floats, Place, Points, Triangles, as_place
 from .ends import Spot, are_ends, spot
 
-FLAT = np.cos(np.deg2rad(1.0))
-"""Cosine of the angle between normals below which faces lie in one plane."""
+FLAT = np.cos(np.deg2rad(5.0))
+"""Cosine of the angle between normals below which faces lie in one plane.
 
-ONE_WAY = np.cos(np.deg2rad(5.0))
-"""The mean of a flat spot's unit normals is at least so long. On a fine mesh the whole of a round
-wall hangs together by faces that differ by less than `FLAT`; its normals cancel."""
+Decimation tilts the faces of a cap: of the 93 ends of a patient's surface with a fifth of its
+triangles left 45 were found with 1 degree, 91 with 5 to 20. The mean of a flat spot's unit normals
+is at least so long, too: on a fine mesh the whole of a round wall hangs together by faces that
+differ by less; its normals cancel.
+"""
 
 RIM = np.cos(np.deg2rad(45.0))
 """Cosine of the angle at which a cap meets the wall at least; a flat spot of the wall does not."""
@@ -110,7 +112,7 @@ def _flat_spots(points: Points, faces: Triangles, normals: Floats, fewest: int) 
     caps = [
         FlatCap(own, mean / length, *_box(points[faces[own]]))
         for own, mean in zip(parts, means, strict=True)
-        if (length := np.linalg.norm(mean)) >= ONE_WAY
+        if (length := np.linalg.norm(mean)) >= FLAT
     ]
     return sorted(caps, key=lambda cap: int(cap.faces[0]))
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Line, connected, face_normals, product
+from ..geometry import Line, compacted, connected, face_normals, may_meet_box, product
 from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
 from .closed_ends import fills, part_near, touches
@@ -105,6 +105,10 @@ def _is_closed(
 
     A vessel that turns aside goes on; so does one that an open rim ends, for nothing is in its way.
     """
+    # What the rest of a large surface is plays no part.
+    low, high = end - LOOKED_AT * radius, end + LOOKED_AT * radius
+    triangles = triangles.compress(may_meet_box(points, triangles, low, high), axis=0)
+    points, triangles = compacted(points, triangles)
     offset = points - end
     heights = product(offset, outward)
     distance = np.linalg.norm(offset, axis=1)
