@@ -3,8 +3,8 @@
 Names listed here are imported when first asked for: workers set their threads before NumPy loads.
 """
 
-from .cases import Case as Case
 from .cases import Cases as Cases
+from .cases import SweepCase as SweepCase
 from .document import load_sweep as load_sweep
 from .document import sweep_from_document as sweep_from_document
 from .document import sweep_schema as sweep_schema

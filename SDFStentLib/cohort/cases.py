@@ -107,7 +107,7 @@ DIGITS = 20
 million cases."""
 
 
-class Case(NamedTuple):
+class SweepCase(NamedTuple):
     """A case: one deployment of a cohort."""
 
     number: int
@@ -129,19 +129,19 @@ class Cases:
     def __len__(self) -> int:
         return len(self._samples) * len(self._bases)
 
-    def __getitem__(self, at: int) -> Case:
+    def __getitem__(self, at: int) -> SweepCase:
         index = range(len(self))[at]
         patient, row = divmod(index, len(self._samples))
         return self._case(index, patient, self._samples[row])
 
-    def __iter__(self) -> Iterator[Case]:
+    def __iter__(self) -> Iterator[SweepCase]:
         for patient in range(len(self._bases)):
             first = patient * len(self._samples)
             for index, parameters in enumerate(self._samples, start=first):
                 yield self._case(index, patient, parameters)
 
-    def _case(self, index: int, patient: int, parameters: Parameters) -> Case:
-        return Case(index + 1, _id(self._bases[patient], parameters), patient, parameters)
+    def _case(self, index: int, patient: int, parameters: Parameters) -> SweepCase:
+        return SweepCase(index + 1, _id(self._bases[patient], parameters), patient, parameters)
 
 
 def _base(sweep: Sweep, patient: Patient) -> bytes:

@@ -15,7 +15,7 @@ from ..stent import InputFile
 from ..validation import InputError
 from ..version import VERSION
 from .axes import label
-from .cases import Case
+from .cases import SweepCase
 from .store import Store, StoreError
 from .value import Sweep
 
@@ -40,7 +40,7 @@ _BATCH = 10_000
 """Number of rows in memory at a time."""
 
 
-def cohort_document(sweep: Sweep, cases: Iterable[Case], folder: Path) -> dict[str, Any]:
+def cohort_document(sweep: Sweep, cases: Iterable[SweepCase], folder: Path) -> dict[str, Any]:
     """The document of a cohort as JSON values: enough to read its folder without the sweep."""
     return {
         "schema": SCHEMA,

@@ -13,7 +13,7 @@ from functools import partial
 from time import monotonic
 
 from ..validation import DeploymentError, InputError
-from .cases import Case, Cases
+from .cases import Cases, SweepCase
 from .estimate import Tally, save_tally
 from .executors import LOOK, Workplace, finished, workplace
 from .manifest import cohort_document, write_manifest
@@ -90,7 +90,7 @@ def run_sweep(
         return run.tally
 
 
-def _prepare(store: Store, sweep: Sweep, cases: list[Case]) -> None:
+def _prepare(store: Store, sweep: Sweep, cases: list[SweepCase]) -> None:
     """Write the document of the cohort; a folder may grow, but no whole case may go."""
     document = cohort_document(sweep, cases, store.folder)
     if (store.folder / COHORT).exists():
@@ -120,13 +120,13 @@ class _Run:
         self._late: set[str] = set()
         self._is_under_way = False
 
-    def left(self, cases: Iterable[Case]) -> list[Case]:
+    def left(self, cases: Iterable[SweepCase]) -> list[SweepCase]:
         """The cases that are not whole when the run begins, counting the others as found."""
         left = self._left(cases)
         self.tally = replace(self.tally, found=self.tally.finished)
         return left
 
-    def _left(self, cases: Iterable[Case]) -> list[Case]:
+    def _left(self, cases: Iterable[SweepCase]) -> list[SweepCase]:
         """The cases that are not whole; all others are counted."""
         left = []
         for case in cases:
@@ -166,7 +166,7 @@ class _Run:
             if idle >= ROUNDS:
                 raise _gave_up(error) from error
 
-    def recount(self, cases: Iterable[Case]) -> None:
+    def recount(self, cases: Iterable[SweepCase]) -> None:
         """Count the cases in the store: some may have got there unnoticed."""
         self.tally = Tally(self.tally.total, failed=self.tally.failed, found=self.tally.found)
         self._left(cases)

@@ -24,7 +24,7 @@ from ..report import flow_columns, flow_section, plan_report, stent_rows
 from ..validation import DeploymentError, InputError
 from ..version import VERSION
 from .axes import label
-from .cases import Case
+from .cases import SweepCase
 from .constraints import Constraints, Excluded
 from .moved import encoded
 from .store import REPORT, SURFACES, Store
@@ -39,7 +39,7 @@ KEPT = 2
 class Task(NamedTuple):
     """A case with all that a worker needs to know."""
 
-    case: Case
+    case: SweepCase
     patient: str
     plan: Plan
     """The patient's base plan."""
@@ -51,7 +51,7 @@ class Task(NamedTuple):
     """Folder of the store."""
 
 
-def task_of(sweep: Sweep, case: Case, store: Store) -> Task:
+def task_of(sweep: Sweep, case: SweepCase, store: Store) -> Task:
     """The task of carrying out a case of a sweep."""
     patient, folder = sweep.patients[case.patient], os.fspath(store.folder)
     return Task(
