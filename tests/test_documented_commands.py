@@ -19,7 +19,7 @@ DOCUMENTS = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
 
 COMMANDS = (
     *("app", "centerline", "check", "compare", "demo", "deploy"),
-    *("devices", "extract", "flow", "measure", "run", "simulate", "suggest", "sweep"),
+    *("devices", "extract", "flow", "measure", "run", "simulate", "suggest", "sweep", "views"),
 )
 STENT = (19.0, 41.0)
 PLACES = {"--center": 30, "--from": 30, "--to": 45}

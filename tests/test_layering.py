@@ -54,9 +54,9 @@ USES = {
     "plan": "geometry centerline files flow lumen stent deformation treatment vessel",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
     "report": "geometry certificate lumen stent files treatment vessel segment flow plan "
-    "simulation",
+    "simulation view",
     "cohort": "geometry centerline certificate stent files treatment plan report",
-    "cli": "files samples stent vessel flow treatment plan simulation report cohort",
+    "cli": "files geometry samples stent vessel view flow treatment plan simulation report cohort",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""
 

@@ -8,6 +8,7 @@ from trees import unbranched
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Line
+from SDFStentLib.lumen import equivalent_diameters
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.validation import InputError
 from SDFStentLib.view import (
@@ -194,7 +195,7 @@ def test_both_frames_give_the_same_views():
     one = working_views(shown(BENT), arm_limits())
     other = working_views(shown(BENT * (-1, -1, 1), frame="RAS"), arm_limits())
     assert one.best.view == other.best.view
-    assert one.best[1:4] == pytest.approx(other.best[1:4])
+    assert one.best[1:5] == pytest.approx(other.best[1:5])
     assert one.map.seen == pytest.approx(other.map.seen)
 
 
@@ -275,39 +276,43 @@ def depths(flat, place):
     return np.sort(total[hit] / (u + v + w)[hit]) - place[2]
 
 
-def is_covered(flat, place):
-    """Whether the wall has lumen elsewhere on a ray, as long as that in which the place lies."""
+def lumen_on(flat, place):
+    """How much lumen is on a ray through a closed wall, mm."""
     found = depths(flat, place)
     assert len(found) % 2 == 0  # a closed wall is left as often as entered
-    start, end = found[::2], found[1::2]
-    own = (start <= 0) & (end >= 0)
-    mine = (end - start)[own].max(initial=0.0)
-    return (end - start)[~own].max(initial=-1.0) >= mine
+    return float((found[1::2] - found[::2]).sum())
+
+
+def own_radii(points, triangles, middles, ways, radii):
+    """Of circles with the area of the vessel's sections; where others are in them, as elsewhere."""
+    share = equivalent_diameters(points, triangles, middles, ways) / 2 / radii
+    share[~(share < 1.5)] = np.nan
+    return np.where(np.isfinite(share), share, np.nanmedian(share)) * radii
 
 
 def test_rays_cast_at_the_wall_find_the_same_overlap_as_spheres_of_the_tree(patient):
-    """In 20 views anywhere within the limits: 0.06 apart in the mean, as the lumen is wider than
-    its spheres, and the same order."""
+    """In 20 views anywhere within the limits: the same order, and 0.06 more in the mean, as several
+    lumens on a ray add up there."""
     one, points, triangles = patient
     rng, shares = np.random.default_rng(3), []
     at = (np.arange(25) + 0.5) * one.line.length / 25
     middles, radii = one.line.at(at), np.interp(at, one.line.arc_lengths, one.radii)
     half = one.line.length / 50
     ways = one.line.at(at + half) - one.line.at(at - half)
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    widths = own_radii(points, triangles, middles, ways, radii)
     for _ in range(20):
         view = ArmView(rng.uniform(-110, 110), rng.uniform(-50, 50))
         axes = view.axes("LPS")
         flat = (points @ axes.T)[triangles]
-        sides = np.cross(axes[2], ways)
-        sides /= np.linalg.norm(sides, axis=1)[:, None]
-        rays = [
-            middle + offset * radius * side
-            for middle, radius, side in zip(middles, radii, sides, strict=True)
-            for offset in (-0.8, -0.4, 0.0, 0.4, 0.8)
-        ]
-        cast = np.mean([is_covered(flat, axes @ ray) for ray in rays])
-        shares.append((one.seen_from(view).covered, cast))
+        covered = []
+        for middle, way, radius, width in zip(middles, ways, radii, widths, strict=True):
+            side = np.cross(axes[2], way)
+            sine = np.linalg.norm(side)
+            for offset in radius * np.array([-0.8, -0.4, 0.0, 0.4, 0.8]):
+                own = 2 * np.sqrt(width**2 - offset**2) / sine
+                covered.append(lumen_on(flat, axes @ (middle + offset * side / sine)) >= 2 * own)
+        shares.append((one.seen_from(view).covered, np.mean(covered)))
     ours, cast = np.array(shares).T
     assert np.abs(ours - cast).mean() < 0.08
-    assert np.abs(ours.mean() - cast.mean()) < 0.05
-    assert np.corrcoef(ours, cast)[0, 1] > 0.95
+    assert np.corrcoef(ours, cast)[0, 1] > 0.97

@@ -26,6 +26,7 @@ _REMEDIES = (
     ("cycle", "cycle", " (--cycle T)"),
     ("unusual", "unusual_flow", " (--unusual-flow)"),
     ("names", "names", " (--names F)"),
+    ("frame", "frame", " (--frame RAS or LPS)"),
     ("root", "root", " (--root X Y Z)"),
     ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
     ("straighten", "straightening_fraction", " (--straighten F)"),

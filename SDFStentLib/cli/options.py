@@ -30,6 +30,7 @@ from .option_table import (
     add_schema,
     add_table,
 )
+from .views.options import add_views
 
 OF_STENT = parameters_of(Stent)
 
@@ -72,6 +73,7 @@ def parser() -> Parser:
         ("compare", "plans side by side", _compare),
         ("measure", "lesions of a vessel, and diameters along it", _measure),
         ("suggest", "a plan for a lesion", _suggest),
+        ("views", "C-arm angles for a lesion, and its angiogram", add_views),
         ("check", "is a surface sound", _check),
         ("centerline", "extract the centerline of a surface", _centerline),
         ("sweep", "many deployments", _sweep),

@@ -63,6 +63,14 @@ from .summary import WARNING as WARNING
 from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
 from .summary import stent_lines as stent_lines
+from .views import Look as Look
+from .views import Stretch as Stretch
+from .views import ToldViews as ToldViews
+from .views import known_frame as known_frame
+from .views import lesion_stretch as lesion_stretch
+from .views import told_views as told_views
+from .views import views_document as views_document
+from .views import write_views as write_views
 from .words import RESEARCH_USE as RESEARCH_USE
 from .words import degree_word as degree_word
 from .words import document_json as document_json

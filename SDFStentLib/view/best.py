@@ -38,20 +38,10 @@ class SeenView(NamedTuple):
     """Share of the stretch that lies under other lumen."""
     ostia_covered: float
     """The same of the beginnings of the branches beside it; 0 where there is none."""
+    seen: float
+    """How much is seen: what is left of the length, times what is free of the area of both."""
     over_it: tuple[int, ...] = ()
     """Indices of the branches that cover the stretch, most of it first."""
-
-    @property
-    def seen(self) -> float:
-        """`seen_share` of it."""
-        return float(seen_share(self.foreshortening, self.covered, self.ostia_covered))
-
-
-def seen_share(
-    foreshortening: Floats | float, covered: Floats | float, ostia_covered: Floats | float
-) -> Floats:
-    """How much is seen: what is left of the length, free of others, with its ostia free."""
-    return np.asarray((1 - foreshortening) * (1 - covered) * (1 - ostia_covered))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,13 +55,9 @@ class ViewMap:
     foreshortening: Floats
     covered: Floats
     ostia_covered: Floats
+    seen: Floats
     is_reached: Flags
     """Within the limits of the arm."""
-
-    @property
-    def seen(self) -> Floats:
-        """`seen_share` of every view."""
-        return seen_share(self.foreshortening, self.covered, self.ostia_covered)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,23 +105,24 @@ class Shown:
         """How it looks from all pairs of angles (p,) and (s,), degrees."""
         first, second = _pairs(primary, secondary)
         shares = self._shares(arm_axes(first, second, self.frame))
-        lost, covered, ostia = (one.reshape(len(primary), -1) for one in shares)
+        lost, covered, ostia, seen = (one.reshape(len(primary), -1) for one in shares)
         is_reached = limits.reach(first, second).reshape(len(primary), -1)
-        return ViewMap(primary, secondary, lost, covered, ostia, is_reached)
+        return ViewMap(primary, secondary, lost, covered, ostia, seen, is_reached)
 
     def seen_from(self, view: ArmView) -> SeenView:
         """How it looks from one view, and which branches cover it there."""
         axes = view.axes(self.frame)
-        lost, covered, ostia = (float(one[0]) for one in self._shares(axes[None]))
+        lost, covered, ostia, seen = (float(one[0]) for one in self._shares(axes[None]))
         over = covering_branches(self._stretch, axes)
-        return SeenView(view, lost, covered, ostia, tuple(over.tolist()))
+        return SeenView(view, lost, covered, ostia, seen, tuple(over.tolist()))
 
-    def _shares(self, axes: Floats) -> tuple[Floats, Floats, Floats]:
-        return (
-            foreshortenings(self.line, axes),
-            covered_shares(self._stretch, axes),
-            covered_shares(self._ostia, axes),
-        )
+    def _shares(self, axes: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Lost, covered, ostia covered, and seen, (k,) each."""
+        lost = foreshortenings(self.line, axes)
+        stretch, ostia = (covered_shares(one, axes) for one in (self._stretch, self._ostia))
+        areas = np.array([self._stretch.target.area, self._ostia.target.area])
+        free = areas[0] * (1 - stretch) + areas[1] * (1 - ostia)
+        return lost, stretch, ostia, (1 - lost) * free / areas.sum()
 
 
 class WorkingViews(NamedTuple):

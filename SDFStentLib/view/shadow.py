@@ -1,10 +1,9 @@
 """How a vessel looks in many views: foreshortened, and under the shadows of others.
 
 An X-ray has no front: what lies before a vessel and what lies behind it darken it alike. A ray
-through a vessel counts as covered where lumen elsewhere, on either side, lies on it over at least
-the length that the vessel itself has there: then the greater part of the shadow is not its own.
-Lumen is the union of the tree's inscribed spheres. What can be reached from the place on a straight
-way within it is the same lumen: foreshortened, but not covered by itself.
+through a vessel counts as covered where it meets at least twice as much lumen as the vessel itself
+has there, aslant as it is seen: then the greater part of the shadow is not its own. Lumen is the
+union of the tree's inscribed spheres; the longest piece on a ray within one of them counts.
 """
 
 from __future__ import annotations
@@ -14,16 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Line, dot, norm, search_tree
-from ..validation import Flags, Floats, Indices
+from ..geometry import Line, dot
+from ..validation import Floats, Indices
 from .target import Spheres, Target
 
 STRIPS = 5
 """Rays across the width of a vessel, in the middles of as many equal strips."""
-
-BETWEEN = (0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)
-"""Where a way between two spheres is looked at, as shares of what lies between their surfaces: it
-leaves the lumen where one of these places is out of it."""
 
 _OUTMOST = 1 - 1 / STRIPS
 """Share of the radius at which the outmost rays are."""
@@ -53,8 +48,11 @@ class Obstacles(NamedTuple):
     """(p,) of the others."""
     away: Floats
     """(p, 3) the way from one to the other, mm."""
+    times: Floats
+    """(p,) square of how many times the length of the vessel itself the sphere needs on a ray: once
+    beside it, twice where it touches the place, and has the vessel's own length in it."""
     reach: Floats
-    """(p,) how near their middles have to be in the picture."""
+    """(p,) how near their middles have to be in the picture, mm."""
 
 
 def obstacles(target: Target, others: Spheres) -> Obstacles:
@@ -63,40 +61,17 @@ def obstacles(target: Target, others: Spheres) -> Obstacles:
     Notes
     -----
     With radii r at the place and R of the sphere, and a ray at x r, R^2 less the square of the
-    distance to the ray has to be r^2 (1 - x^2) at least. The way between both has to leave the
-    lumen.
+    distance to the ray has to be `times` r^2 (1 - x^2) at least.
     """
     own = target.radii[:, None]
-    square = others.radii**2 - (1 - _OUTMOST**2) * own**2
     away = others.centers - target.centers[:, None]
     squared = np.einsum("nmi,nmi->nm", away, away)
-    station, ball = np.nonzero((squared > (own + others.radii) ** 2) & (square >= 0))
-    if not len(station):
-        return Obstacles(target, others, station, ball, np.empty((0, 3)), np.empty(0))
-    leaves = _leaves(target, others, station, ball)
-    station, ball = station[leaves], ball[leaves]
-    reach = _OUTMOST * target.radii[station] + np.sqrt(square[station, ball])
-    return Obstacles(target, others, station, ball, away[station, ball], reach)
-
-
-def _leaves(target: Target, others: Spheres, station: Indices, ball: Indices) -> Flags:
-    """Whether the straight ways between pairs of spheres (p,) leave the lumen."""
-    # In four dimensions the nearest point is the sphere with the least power: one search tells
-    # whether a place is within any of them.
-    largest = float(others.radii.max())
-    lifted = np.column_stack([others.centers, np.sqrt(largest**2 - others.radii**2)])
-    tree = search_tree(lifted)
-    away = others.centers[ball] - target.centers[station]
-    length = norm(away)
-    first, last = target.radii[station] / length, 1 - others.radii[ball] / length
-    leaves = np.zeros(len(station), dtype=bool)
-    for share in BETWEEN:
-        left = np.flatnonzero(~leaves)
-        at = (1 - share) * first[left] + share * last[left]
-        places = target.centers[station[left]] + at[:, None] * away[left]
-        power, _ = tree.query(np.pad(places, ((0, 0), (0, 1))), distance_upper_bound=largest)
-        leaves[left] = ~(power <= largest)
-    return leaves
+    times = np.where(squared > (own + others.radii) ** 2, 1.0, 4.0)
+    square = others.radii**2 - times * (1 - _OUTMOST**2) * own**2
+    station, ball = np.nonzero(square >= 0)
+    pairs = station, ball
+    reach = _OUTMOST * target.radii[station] + np.sqrt(square[pairs])
+    return Obstacles(target, others, station, ball, away[pairs], times[pairs], reach)
 
 
 def covered_shares(known: Obstacles, axes: Floats) -> Floats:
@@ -142,7 +117,7 @@ def _hits(known: Obstacles, axes: Floats) -> Iterator[tuple[Indices, Indices, In
         # Squares of half the length on the ray through the station, and of that of the vessel.
         left = radii[other] ** 2 - dot(way, way) + dot(way, axes[view, 2]) ** 2
         width, beside = target.radii[own], dot(way, sides[view, own])
-        thick = width**2 / np.maximum(sines[view, own], 1e-300)
+        thick = known.times[pair] * width**2 / np.maximum(sines[view, own], 1e-300)
         for strip in range(STRIPS):
             share = (2 * strip + 1) / STRIPS - 1
             offset = share * width

@@ -46,6 +46,8 @@ class Target(NamedTuple):
     """(n,)"""
     weights: Floats
     """(n,) how much each counts; they add up to 1, or are none."""
+    area: float = 0.0
+    """Of all of it in a picture from the side, mm^2."""
 
 
 def spheres_of(tree: Centerline) -> Spheres:
@@ -83,11 +85,12 @@ def stretch_target(line: Line, radii: Floats) -> Target:
     half = line.length / (2 * STATIONS)
     ways = line.at(at + half) - line.at(at - half)
     ways = ways / norm(ways)[:, None]
-    return Target(line.at(at), ways, widths, np.full(STATIONS, 1 / STATIONS))
+    area = float(2 * widths.mean() * line.length)
+    return Target(line.at(at), ways, widths, np.full(STATIONS, 1 / STATIONS), area)
 
 
 def ostia_target(tree: Centerline, line: Line) -> Target:
-    """The beginnings of the branches that leave a stretch; each counts by the area of its lumen.
+    """The beginnings of the branches that leave a stretch; each counts by its area in a picture.
 
     Branches of a junction whose sphere reaches the stretch, except the vessel itself. A beginning
     is one diameter of the branch long, from where its line leaves that sphere.
@@ -102,12 +105,14 @@ def ostia_target(tree: Centerline, line: Line) -> Target:
     if not parts:
         none = np.empty(0)
         return Target(np.empty((0, 3)), np.empty((0, 3)), none, none)
-    centers, ways, radii, weights = (np.concatenate(one) for one in zip(*parts, strict=True))
-    return Target(centers, ways, radii, weights / weights.sum())
+    centers, ways, radii, areas = (
+        np.concatenate(one) for one in zip(*(part[:4] for part in parts), strict=True)
+    )
+    return Target(centers, ways, radii, areas / areas.sum(), float(areas.sum()))
 
 
 def _beginning(tree: Centerline, branch: Indices, line: Line) -> Iterator[Target]:
-    """The beginning of a branch, if it is beside the stretch and as long as that."""
+    """The beginning of a branch, weighted by its area, if it is beside the stretch."""
     place, reach = tree.points[branch[0]], tree.inscribed_radius[branch[0]]
     if not line.nearest(place[None]).distances[0] <= reach:
         return
@@ -123,4 +128,4 @@ def _beginning(tree: Centerline, branch: Indices, line: Line) -> Iterator[Target
     ahead = way.at(at) - place
     ways = ahead / norm(ahead)[:, None]
     count = STATIONS_OF_OSTIUM
-    yield Target(way.at(at), ways, np.full(count, width), np.full(count, width**2 / count))
+    yield Target(way.at(at), ways, np.full(count, width), np.full(count, (2 * width) ** 2 / count))

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
 from typing import Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...validation import printable
+from .gray_png import gray_png
 
 INK = "#212933"
 GRAY = "#6b7580"
@@ -53,7 +58,18 @@ class Disc(NamedTuple):
     color: str
 
 
-Mark = Stroke | Words | Box | Disc
+class Photo(NamedTuple):
+    """A picture in gray; `x` and `y` are its left upper corner."""
+
+    gray: NDArray[np.uint8]
+    """(rows, columns), 0 is black."""
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+Mark = Stroke | Words | Box | Disc | Photo
 
 
 class Drawing(NamedTuple):
@@ -108,6 +124,12 @@ def _element(mark: Mark) -> str:
             f"<circle cx='{mark.x:.2f}' cy='{mark.y:.2f}' r='{mark.radius:g}' fill='{mark.color}'/>"
         )
     place = f"x='{mark.x:.2f}' y='{mark.y:.2f}'"
+    if isinstance(mark, Photo):
+        data = b64encode(gray_png(mark.gray)).decode()
+        return (
+            f"<image {place} width='{mark.width:.2f}' height='{mark.height:.2f}' "
+            f"href='data:image/png;base64,{data}'/>"
+        )
     if mark.is_upright:
         place = f"transform='translate({mark.x:.2f} {mark.y:.2f}) rotate(-90)'"
     weight = "font-weight='600' " if mark.is_bold else ""

@@ -11,6 +11,7 @@ import vtkmodules.vtkRenderingFreeType
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints2D
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkRectf
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals, vtkTubeFilter
 from vtkmodules.vtkImagingCore import vtkImageShrink3D
 from vtkmodules.vtkIOImage import vtkPNGWriter
@@ -27,7 +28,7 @@ from vtkmodules.vtkRenderingCore import (
 from ...files import polydata_from_arrays, polydata_from_lines
 from ...geometry import Line
 from ...validation import Floats, Points, one_line
-from .drawing import Box, Disc, Drawing, Stroke, Words
+from .drawing import Box, Disc, Drawing, Photo, Stroke, Words
 from .shapes import Panel
 from .view import BOTTOM, HEIGHT, TOP
 
@@ -160,6 +161,9 @@ class _Painter:
 
     def Paint(self, _: vtkPythonItem, context: vtkContext2D) -> bool:
         for mark in self.drawing.marks:
+            if isinstance(mark, Photo):
+                self.photo(context, mark)
+                continue
             context.GetPen().SetColorF(*_rgb(mark.color))
             context.GetBrush().SetColorF(*_rgb(mark.color))
             if isinstance(mark, Words):
@@ -182,6 +186,17 @@ class _Painter:
         drop = 0.22 * mark.size  # VTK places the depth of a g, SVG the line that letters stand on
         right, down = (drop, 0.0) if mark.is_upright else (0.0, drop)
         context.DrawString(*self.at(mark.x + right, mark.y + down), one_line(mark.text))
+
+    def photo(self, context: vtkContext2D, mark: Photo) -> None:
+        rows, columns = mark.gray.shape
+        image = vtkImageData()
+        image.SetDimensions(columns, rows, 1)
+        colors = np.repeat(mark.gray[::-1].reshape(-1, 1), 3, axis=1)
+        image.GetPointData().SetScalars(numpy_to_vtk(colors, deep=1))
+        corner = self.at(mark.x, mark.y + mark.height)
+        size = OVERSAMPLING * mark.width, OVERSAMPLING * mark.height
+        context.GetBrush().SetColorF(1, 1, 1)
+        context.DrawImage(vtkRectf(*corner, *size), image)
 
     def line(self, context: vtkContext2D, mark: Stroke) -> None:
         context.GetPen().SetLineType(vtkPen.SOLID_LINE)

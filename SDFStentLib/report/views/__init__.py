@@ -1,0 +1,11 @@
+"""What is told of working views, and drawn: angiograms, and the map of all angles."""
+
+from .facts import Stretch as Stretch
+from .facts import ToldViews as ToldViews
+from .facts import known_frame as known_frame
+from .facts import lesion_stretch as lesion_stretch
+from .facts import told_views as told_views
+from .facts import views_document as views_document
+from .picture import Look as Look
+from .picture import views_drawing as views_drawing
+from .picture import write_views as write_views
