@@ -45,12 +45,36 @@ def test_a_surface_without_a_frame_has_no_angles_until_one_is_named(a_folder, sh
     assert one.returncode == other.returncode == 0
 
 
-def test_a_frame_that_the_file_contradicts_is_refused(a_folder, shell):
-    text = (a_folder / "tube.vtp").read_bytes()
+def said_to_be_ras(path):
+    """Write the frame into a file, as Slicer does."""
+    text = path.read_bytes()
     tag = b'<FieldData><Array type="String" Name="SPACE" NumberOfTuples="1" format="ascii">'
     tag += b"82 65 83 0</Array></FieldData>"
     place = text.index(b"<PolyData>") + len(b"<PolyData>")
-    (a_folder / "tube.vtp").write_bytes(text[:place] + tag + text[place:])
+    path.write_bytes(text[:place] + tag + text[place:])
+
+
+def test_a_deployment_draws_its_stent_before_and_after(a_folder, shell):
+    stent = ["--center", "0", "0", "2", "--length", "20", "--diameter", "6"]
+    placed = ["deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *stent]
+    made = [*placed, "-o", "after.vtp", "--angiogram", "seen.svg"]
+    refused = shell(*made, folder=a_folder)
+    assert refused.returncode == 2
+    assert "frame" in refused.stderr
+    assert not (a_folder / "after.vtp").exists()
+    said_to_be_ras(a_folder / "tube.vtp")
+    done = shell(*made, folder=a_folder)
+    assert done.returncode == 0, done.stderr
+    drawn = (a_folder / "seen.svg").read_text(encoding="utf-8")
+    assert drawn.count("<image") == 2
+    bare = shell(*made, "--hide-device", folder=a_folder)
+    assert bare.returncode == 0
+    assert drawn.count("stroke-width='0.8'") > 50
+    assert (a_folder / "seen.svg").read_text(encoding="utf-8").count("stroke-width='0.8'") == 0
+
+
+def test_a_frame_that_the_file_contradicts_is_refused(a_folder, shell):
+    said_to_be_ras(a_folder / "tube.vtp")
     assert shell(*VIEWS, folder=a_folder).returncode == 0
     done = shell(*FRAMED, folder=a_folder)
     assert done.returncode == 2

@@ -144,9 +144,13 @@ class _PlanJob:
         if picture:
             check_suffix(picture, "a picture", (".png",))
             self.outputs.add(picture, self.write_picture)
+        if self.options.angiogram:
+            check_suffix(self.options.angiogram, "an angiogram", FIGURE_SUFFIXES)
+            self.outputs.add(self.options.angiogram, self.write_angiogram)
         add_networks(self.outputs, self.options.export_0d, self.flow)
         self.add_device()
-        if picture or (figure and figure.lower().endswith(".png")):
+        drawn = (figure, self.options.angiogram)
+        if picture or any(one and one.lower().endswith(".png") for one in drawn):
             # Late, as below: most deployments draw nothing.
             from ..report import check_rendering
 
@@ -172,6 +176,10 @@ class _PlanJob:
     def done(self, inputs: InputFiles, start: float) -> int:
         """Deploy, write, and report; return the exit code."""
         self.plan = as_read(self.plan, inputs)
+        if self.options.angiogram:
+            from ..report import known_frame
+
+            known_frame(inputs.surface.frame)
         if self.options.device_mesh:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
             self.console.warn(self.mesh.warnings)
@@ -223,6 +231,12 @@ class _PlanJob:
         answer = self._result.flow
         assert answer is not None
         return answer
+
+    def write_angiogram(self, path: Path) -> None:
+        """Write what an X-ray shows of the first stent."""
+        from ..report import write_angiogram
+
+        write_angiogram(self._result, path, hides_device=self.options.hide_device)
 
     def write_picture(self, path: Path) -> None:
         """Write the picture of the vessel before and after."""

@@ -68,8 +68,10 @@ from .views import Stretch as Stretch
 from .views import ToldViews as ToldViews
 from .views import known_frame as known_frame
 from .views import lesion_stretch as lesion_stretch
+from .views import planned_views as planned_views
 from .views import told_views as told_views
 from .views import views_document as views_document
+from .views import write_angiogram as write_angiogram
 from .views import write_views as write_views
 from .words import RESEARCH_USE as RESEARCH_USE
 from .words import degree_word as degree_word

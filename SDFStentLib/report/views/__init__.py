@@ -9,3 +9,5 @@ from .facts import views_document as views_document
 from .picture import Look as Look
 from .picture import views_drawing as views_drawing
 from .picture import write_views as write_views
+from .planned import planned_views as planned_views
+from .planned import write_angiogram as write_angiogram

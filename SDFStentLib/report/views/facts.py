@@ -82,6 +82,7 @@ def known_frame(frame: Frame | None) -> Frame:
             "expected a surface whose frame is known, RAS or LPS, got one that does not say it; "
             "angles of a C-arm are told from the patient's left, front and head: name the frame",
             remedy="frame",
+            otherwise=" in the file, as Slicer does",
             end=".",
         )
     return frame
