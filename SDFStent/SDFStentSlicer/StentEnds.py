@@ -14,8 +14,8 @@ from .ParameterNode import stentOf
 from .PlanFields import Placement
 
 SETTLE_MS = 100
-"""Time between two updates while a hand drags, or until the first one after a live stent rests: to place a stent takes
-some 15 ms in a tree of 92 outlets."""
+"""Time between two updates while a hand drags, or until the first one after a live stent rests, which waits for its
+end: to place a stent takes some 15 ms in a tree of 92 outlets."""
 
 GLYPH = 2.0
 """Size of the dots, smaller than the handle's; percent of a view."""
@@ -27,12 +27,13 @@ AT_HANDLE = {Placement.PROXIMAL_END: 0, Placement.DISTAL_END: 1}
 class StentEnds(VTKObservationMixin):
     """Shows where the stent of the shown parameter node lies, and lets the user drag its ends."""
 
-    def __init__(self, logic):
+    def __init__(self, logic, isAwaited=lambda: False):
+        """`isAwaited()` tells whether the deployed stent is shown in a moment: then what rests is shown with it, in one frame."""
         VTKObservationMixin.__init__(self)
         self._logic, self._node, self._isFollowing = logic, None, False
-        self._tube = None
+        self._isAwaited, self._tube = isAwaited, None
         self._parameterNode = self._standing = None
-        self._timer = Clock.timer(self._update, SETTLE_MS)
+        self._timer = Clock.timer(self._onRested, SETTLE_MS)
 
     @property
     def isBusy(self):
@@ -44,6 +45,8 @@ class StentEnds(VTKObservationMixin):
         rests."""
         standing = self._standingOf(parameterNode)
         if standing == self._standing:
+            if self._timer.isActive() and self._logic.hasSteps(parameterNode):
+                self._update()
             return
         self._parameterNode, self._standing = parameterNode, standing
         if not parameterNode.autoUpdate:
@@ -84,6 +87,12 @@ class StentEnds(VTKObservationMixin):
             self._logic.knowsCenterline(parameterNode),
             self._logic.showsPlan(parameterNode),
         )
+
+    def _onRested(self):
+        if self._parameterNode.autoUpdate and self._isAwaited():
+            self._timer.start()
+        else:
+            self._update()
 
     def _update(self, isReleased=False):
         self._timer.stop()

@@ -107,7 +107,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
                 SegmentSection,
             )
         ]
-        self.views, self.ends = RoomyViews(self.ui), StentEnds(self.logic)
+        self.views, self.ends = RoomyViews(self.ui), StentEnds(self.logic, self._isDeploying)
         self.window = LowWindow()
         self.recoil = RestedRun(
             lambda: self.logic.recoilByRule(self._parameterNode), self._onPrepared, RECOIL_MS
@@ -236,6 +236,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._showSections()
         self._state.enable(self._parameterNode)
         self._requestUpdate()
+
+    def _isDeploying(self):
+        return self.session.isBusy and not self.logic.hasSteps(self._parameterNode)
 
     def _carry(self):
         if self._parameterNode is not None and self.logic.carry(self._parameterNode):

@@ -157,3 +157,25 @@ def test_no_frame_is_drawn_of_half_a_stent(host, aStent, monkeypatch):
         host.process(0.2)
     assert order[0] == "whole"
     assert "frame" in order
+
+
+def test_the_dots_of_a_stent_that_rests_come_in_the_frame_of_its_end(host, aStent, monkeypatch):
+    from SDFStentSlicer import Results
+
+    order, end = [], Results.showEnd
+    monkeypatch.setattr(Results, "showEnd", lambda *args: (end(*args), order.append("end")))
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    host.processUntil(lambda: not aStent.ends.isBusy)
+    show = aStent.ends._showDots
+    monkeypatch.setattr(aStent.ends, "_showDots", lambda: (show(), order.append("dots")))
+    order.clear()
+    with host.drawing(0.05) as frames:
+        frames.onFrame = lambda: order.append("frame")
+        aStent.ui.diameterSlider.value = 9.0
+        settle(host, aStent)
+        host.processUntil(lambda: not aStent.ends.isBusy)
+    assert order.count("end") == order.count("dots") == 1
+    between = order[order.index("dots") : order.index("end")]
+    between += order[order.index("end") : order.index("dots")]
+    assert "frame" not in between
