@@ -89,6 +89,8 @@ TEMPLATES = {
         "length of a stent cannot be relied on; give a smooth one."
     ),
     # Segments
+    "label-bits": "{count} loose parts of the label, {volume_mm3:.3g} mm3, were left out.",
+    "image-ends": "The image cuts the vessel at {names}; these ends lie along its border.",
     "end-moved": (
         "The {end} of the segment was moved {distance_mm:.1f} mm into it, to ({x:.4g}, {y:.4g}, "
         "{z:.4g}) mm{filed}: farther out no plane meets only this vessel."
@@ -253,9 +255,7 @@ TEMPLATES = {
         "{beats} beats of {cycle_s:.4g} s are not alike; their average was taken, whose peak is "
         "{peak:.3g} of {most:.3g} mL/s: correct the length{cycle} where they are of another one."
     ),
-    # The picture
     "picture-missing": "{reason}",
-    # Files
     "cut-off": (
         "A run that was to write {names} here has not ended: it is still writing, or was cut off, "
         "and files here may be of different runs; carry it out again."

@@ -36,7 +36,7 @@ def contoured(pieces, spacing):
     image.SetDimensions(*counts.tolist())
     image.SetOrigin(*low)
     image.SetSpacing(spacing, spacing, spacing)
-    image.GetPointData().SetScalars(numpy_to_vtk(_away(places, pieces), deep=True))
+    image.GetPointData().SetScalars(numpy_to_vtk(away(places, pieces), deep=True))
     contour, clean = vtk.vtkFlyingEdges3D(), vtk.vtkCleanPolyData()
     contour.SetInputData(image)
     contour.SetValue(0, 0.0)
@@ -47,7 +47,7 @@ def contoured(pieces, spacing):
     return Surface(vtk_to_numpy(made.GetPoints().GetData()).astype(float), triangles.astype(int))
 
 
-def _away(places, pieces):
+def away(places, pieces):
     found = np.full(len(places), np.inf)
     for one, other, first, last in pieces:
         one, way = np.asarray(one, float), np.subtract(other, one).astype(float)

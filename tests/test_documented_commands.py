@@ -10,6 +10,7 @@ import signal
 import numpy as np
 import pytest
 from child_processes import COMMAND, PATIENCE, PROJECT, begun, installed
+from segmentations import FORK, named, voxels, write
 
 from benchmarks.phantoms import branching_pulmonary_artery
 from SDFStentLib.files import read_volume
@@ -19,7 +20,8 @@ DOCUMENTS = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
 
 COMMANDS = (
     *("app", "centerline", "check", "compare", "demo", "deploy"),
-    *("devices", "extract", "flow", "measure", "run", "simulate", "suggest", "sweep", "views"),
+    *("devices", "extract", "flow", "measure", "prepare", "run", "simulate", "suggest", "sweep"),
+    "views",
 )
 STENT = (19.0, 41.0)
 PLACES = {"--center": 30, "--from": 30, "--to": 45}
@@ -27,6 +29,8 @@ PLACES = {"--center": 30, "--from": 30, "--to": 45}
 
 STANDS_FOR = {
     "SURFACE": "surface.vtp",
+    "SEGMENTATION": "artery.seg.nrrd",
+    "--label NAME": "artery",
     "PLAN": "plan.json",
     "PLAN...": "other.json",
     "PLAN.json": "plan.json",
@@ -124,6 +128,8 @@ def prepared(tmp_path_factory):
     for document, name in (("devices.md", "own.json"), ("cli.md", "names.json")):
         text = (PROJECT / "docs" / document).read_text(encoding="utf-8")
         (made / name).write_text(block_of_json(text), encoding="utf-8")
+    mask, low = voxels(FORK, 1.1)
+    write(made / "artery.seg.nrrd", mask, low, 1.1, texts=named(artery=(1, 0)))
     write_sweep(made / "sweep.json", "sobol")
     write_sweep(made / "cube.json", "latin-hypercube")
     return made

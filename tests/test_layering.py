@@ -22,6 +22,7 @@ FLOORS = (
         "interpreter",
         "surface_formats",
         "line_formats",
+        "scan_formats",
     ),
     ("geometry",),
     ("field", "centerline", "certificate"),
@@ -29,7 +30,7 @@ FLOORS = (
     ("deformation", "vessel"),
     ("segment", "flow", "view"),
     ("treatment",),
-    ("plan", "simulation"),
+    ("plan", "simulation", "scan"),
     ("report",),
     ("cohort",),
     ("cli",),
@@ -53,10 +54,12 @@ USES = {
     "treatment": "geometry centerline certificate flow lumen stent deformation vessel segment",
     "plan": "geometry centerline files flow lumen stent deformation treatment vessel",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
+    "scan": "geometry centerline certificate segment treatment vessel",
     "report": "geometry certificate lumen stent files treatment vessel segment flow plan "
-    "simulation view",
+    "simulation view scan",
     "cohort": "geometry centerline certificate stent files treatment plan report",
-    "cli": "files geometry samples stent vessel view flow treatment plan simulation report cohort",
+    "cli": "files geometry samples stent vessel view flow treatment plan simulation scan report "
+    "cohort",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""
 
@@ -81,6 +84,7 @@ VTK_GATE = {  # the only files that may import vtk themselves
     "files/model_faces.py", "files/same_space.py", "files/ghosts.py",
     "files/formats/vtk_files.py", "files/vmtk_process.py",
     "files/formats/vtk_quiet.py", "files/vtkhdf_process.py",
+    "scan/contour.py",
     "report/picture/painter.py",
 }  # fmt: skip
 

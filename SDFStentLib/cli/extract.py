@@ -1,9 +1,10 @@
-"""The commands `extract`, for a segment of a vessel, and `centerline`, for the lines
-of a surface."""
+"""The commands `extract`, for a segment of a vessel, `centerline`, for the lines of a surface, and
+`prepare`, for both of a segmentation."""
 
 from __future__ import annotations
 
 import argparse
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,26 @@ from ..files import (
     check_vmtk,
     extract_lines,
     write_extracted_lines,
+    write_new_surface,
 )
 from ..line_formats import VTK_LINE_SUFFIXES
 from ..plan import InputFiles, Marks, read_input_files
-from ..report import SEGMENT_FILES, filed_point, segment_sentences, write_segment
+from ..report import (
+    PREPARED_FILES,
+    SEGMENT_FILES,
+    document_json,
+    filed_point,
+    prepared_document,
+    prepared_page,
+    prepared_picture,
+    prepared_sentences,
+    segment_sentences,
+    write_segment,
+)
+from ..scan import PreparedVessel, Segmentation, prepared_vessel, read_segmentation
 from ..treatment import ExtractedSegment, SegmentWishes, extract_segment
+from ..units import Frame
+from ..validation import DeploymentError
 from .console import Console
 from .outputs import Outputs
 from .place import ends_of, in_mm, names_of, root_of, treated_of
@@ -76,7 +92,10 @@ def centerline_command(options: argparse.Namespace, console: Console) -> int:
         check_vmtk()
     check_line_output(options.output, VTK_LINE_SUFFIXES)
     outputs = Outputs([options.surface])
-    outputs.add(options.output, lambda path: write_extracted_lines(path, lines, inputs.surface))
+    outputs.add(
+        options.output,
+        lambda path: write_extracted_lines(path, lines, options.units, inputs.surface.frame),
+    )
     inputs = read_input_files(options.surface, units=options.units)
     inlet = None if options.inlet is None else in_mm(options.inlet, options.units, "--inlet")
     outlets = [in_mm(end, options.units, "--outlet") for end in options.outlet]
@@ -103,3 +122,60 @@ def centerline_command(options: argparse.Namespace, console: Console) -> int:
     for end in ends[1:]:
         console.say(f"  {filed_point(end, units)} {units}")
     return 0
+
+
+FRAME: Frame = "LPS"
+"""Of segmentations as they are read, and of what is made of them."""
+
+
+def prepare_command(options: argparse.Namespace, console: Console) -> int:
+    """Write surface, centerline, picture and page of the vessel in a segmentation."""
+    outputs = Outputs([options.segmentation])
+    outputs.add_folder(
+        options.output,
+        lambda folder: _write_prepared(folder, read, made, image),
+        PREPARED_FILES.__contains__,
+    )
+    inlet = None if options.inlet is None else in_mm(options.inlet, "mm", "--inlet")
+    read = read_segmentation(options.segmentation, options.label)
+    with console.progress("Surface and centerline") as show:
+        show(0.0)
+        made = prepared_vessel(read.labelmap, inlet)
+    console.warn(made.warnings)
+    image = _image(made, console)
+    outputs.write()
+    for sentence in prepared_sentences(made):
+        console.say(sentence)
+    console.say(f"Wrote {options.output}: surface.vtp, centerline.vtp, prepared.html.")
+    return 0
+
+
+def _image(made: PreparedVessel, console: Console) -> bytes | str:
+    """The picture, or why there is none."""
+    try:
+        return prepared_picture(made, FRAME)
+    except DeploymentError as error:
+        console.complain(str(error))
+        return str(error)
+
+
+def _write_prepared(
+    folder: Path, read: Segmentation, made: PreparedVessel, image: bytes | str
+) -> None:
+    folder.mkdir()
+    surface, line = folder / "surface.vtp", folder / "centerline.vtp"
+    write_new_surface(surface, made.surface, made.faces, FRAME, made.voxels)
+    write_extracted_lines(line, made.lines, "mm", FRAME)
+    if isinstance(image, bytes):
+        (folder / "prepared.png").write_bytes(image)
+    inputs = {
+        "segmentation": {"file": str(read.path), "sha256": _sha256(read.path)},
+        "label": {"value": read.segment.value, "name": read.segment.name or None},
+    }
+    document = prepared_document(made, inputs, {one.name: _sha256(one) for one in (surface, line)})
+    (folder / "prepared.json").write_text(document_json(document), encoding="utf-8")
+    (folder / "prepared.html").write_text(prepared_page(document, image), encoding="utf-8")
+
+
+def _sha256(path: Path) -> str:
+    return sha256(path.read_bytes()).hexdigest()

@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 from ..line_formats import LINES_IN_WORDS
 from ..parameter import Parameter
 from ..plan import Plan, method_parameters, plan_of_method, plan_schema
+from ..scan_formats import SCANS_IN_WORDS
 from ..surface_formats import FORMATS_IN_WORDS
 from ..units import MILLIMETERS
 
@@ -79,6 +80,7 @@ def path(text: str) -> str:
 KINDS = {
     **dict.fromkeys(("X", "MM", "D", "R", "S", "P", "W", "A", "LEAST"), number),
     **dict.fromkeys(("FILE", "F", "DIR", "OUT", "PLAN", "SWEEP", "SURFACE", "SURFACE2"), path),
+    "SEGMENTATION": path,
     "NAME": path,
     "DIR|PAGE.html": path,
     "SURFACE|PLAN.json": path,
@@ -168,6 +170,23 @@ def add_schema(command: argparse.ArgumentParser, documents: str) -> None:
 
     words = f"print the JSON schema of {documents}"
     command.add_argument("--schema", action=Printed, const=text, help=words)
+
+
+def add_prepare(command: argparse.ArgumentParser) -> None:
+    """Add the options of `prepare`."""
+    command.description = (
+        "The surface of a segmented vessel with flat ends, inlet and outlets named, and its "
+        "centerline. Points are in mm and LPS."
+    )
+    add_table(command, f"segmentation SEGMENTATION  {SCANS_IN_WORDS}\n")
+    add_table(command, "-o, --output DIR  folder to write", required=True)
+    add_table(
+        command,
+        f"""\
+--label NAME  which label, by its number or its name (default: the only one)
+--inlet X Y Z  the end near this point is the inlet (default: the widest)
+{TALK}""",
+    )
 
 
 class Parser(argparse.ArgumentParser):

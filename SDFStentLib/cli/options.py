@@ -27,6 +27,7 @@ from .option_table import (
     Printed,
     add_method,
     add_parameter,
+    add_prepare,
     add_schema,
     add_table,
 )
@@ -77,6 +78,7 @@ def parser() -> Parser:
         ("views", "C-arm angles for a lesion, and its angiogram", add_views),
         ("check", "is a surface sound", _check),
         ("centerline", "extract the centerline of a surface", _centerline),
+        ("prepare", "surface and centerline of a segmentation", add_prepare),
         ("sweep", "many deployments", _sweep),
         ("extract", "a segment for a flow solver", _extract),
         ("flow", "pressures and flows before and after", add_flow),

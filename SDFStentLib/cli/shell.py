@@ -24,6 +24,7 @@ _BESIDE = {
     "run": "deploy",
     "check": "measure",
     "centerline": "extract",
+    "prepare": "extract",
     "simulate": "flow",
     "devices": "suggest",
 }

@@ -20,7 +20,6 @@ from .centerline_files import LineFile
 from .content import header_text
 from .formats import encode_legacy, encode_markups, encode_vtp, new_markups
 from .polydata import RADIUS_ARRAYS, add_arrays, polydata_from_lines, set_frame_of_polydata
-from .surface_files import SurfaceFile
 
 
 def write_centerline(
@@ -65,7 +64,7 @@ def write_centerline(
 
 
 def write_extracted_lines(
-    path: str | os.PathLike[str], lines: ExtractedLines, surface: SurfaceFile
+    path: str | os.PathLike[str], lines: ExtractedLines, units: str, frame: Frame | None
 ) -> None:
     """Write lines as VMTK does, with `MaximumInscribedSphereRadius`, whole or not at all.
 
@@ -74,8 +73,10 @@ def write_extracted_lines(
     path : path
         File to write; the suffix sets the format: .vtp or .vtk.
     lines : ExtractedLines
-    surface : SurfaceFile
-        The surface of which they are the centerlines; they get its unit and frame.
+    units : {"mm", "cm", "m"}
+        Of the file of the surface whose centerlines they are.
+    frame : "RAS", "LPS" or None
+        Of that file.
 
     Raises
     ------
@@ -83,10 +84,10 @@ def write_extracted_lines(
         Unknown suffix, or the file cannot be written.
     """
     target = check_line_output(path, VTK_LINE_SUFFIXES)
-    scale = millimeters_per(surface.units)
+    scale = millimeters_per(units)
     polydata = polydata_from_lines(lines.points / scale, list(lines.lines))
     add_arrays(polydata, {RADIUS_ARRAYS[0]: lines.inscribed_radius / scale}, {})
-    _write_polydata(target, polydata, surface.frame)
+    _write_polydata(target, polydata, frame)
 
 
 def _write_polydata(target: Path, polydata: vtkPolyData, frame: Frame | None) -> None:

@@ -36,7 +36,7 @@ MODEL = (
     f"make a surface of the vessel's lumen from it, in 3D Slicer: Segment Editor, then {_EXPORT}"
 )
 """Advice for an image."""
-_SEGMENTED = f"in 3D Slicer, Segmentations, {_EXPORT}"
+_SEGMENTED = f"use sdfstent prepare, or in 3D Slicer, Segmentations, {_EXPORT}"
 _GZIP = b"\x1f\x8b"
 _UNPACK = "unpack it"
 _EXTRACT = "extract its surface and save that as .vtp"

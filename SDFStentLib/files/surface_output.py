@@ -9,20 +9,33 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 
 from ..cautions import Caution
-from ..geometry import Surface, dot, face_normals, vertex_normals
+from ..geometry import NamedFaces, Surface, dot, face_normals, vertex_normals
 from ..surface_formats import WRITTEN_SUFFIXES
-from ..units import millimeters_per
-from ..validation import InputError, Points, Triangles, as_path, as_points, check_is_a
+from ..units import Frame, millimeters_per
+from ..validation import (
+    Floats,
+    InputError,
+    Points,
+    Triangles,
+    as_path,
+    as_points,
+    check_is_a,
+)
 from .atomic import check_suffix, check_writable, write_bytes
 from .content import header_text
 from .formats import encode_legacy, encode_vtp
-from .model_faces import ID_ARRAY, NAME_ARRAY
+from .model_faces import ID_ARRAY, NAME_ARRAY, set_face_names
 from .plain import encode_obj, encode_ply, encode_solids, encode_stl, fits_ply
-from .polydata import add_arrays, polygons_from_polydata, set_frame_of_polydata
+from .polydata import (
+    add_arrays,
+    polydata_from_arrays,
+    polygons_from_polydata,
+    set_frame_of_polydata,
+)
 from .surface_files import SurfaceFile
 
 
@@ -269,3 +282,43 @@ def _turn(rows: NDArray[Any], indices: NDArray[np.int64], before: Points, after:
     side = np.where(dot(stored, before) < 0, -1.0, 1.0)
     has_normal = after.any(axis=1)
     rows[indices[has_normal]] = (side[:, None] * after)[has_normal]
+
+
+VOXEL_ARRAY = "VoxelSpacing"
+"""Field array of a surface that was made of voxels: their sizes along three axes, in its unit."""
+
+
+def write_new_surface(
+    path: str | os.PathLike[str],
+    surface: Surface,
+    faces: NamedFaces,
+    frame: Frame | None,
+    voxels: Floats,
+) -> None:
+    """Write a surface of voxels as VTP, in mm, whole or not at all.
+
+    Parameters
+    ----------
+    path : path
+    surface : Surface
+        mm.
+    faces : NamedFaces
+        `ModelFaceID` of its triangles, and the names.
+    frame : "RAS", "LPS" or None
+        Of its points.
+    voxels : (3,) array
+        Their sizes, mm: they say how exact the surface is.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    ids = {ID_ARRAY: faces.ids.astype(np.int32)}
+    polydata = polydata_from_arrays(surface.points, surface.triangles, None, ids)
+    set_face_names(polydata, faces.names)
+    array = numpy_to_vtk(np.asarray(voxels, dtype=np.float64), deep=True)
+    array.SetName(VOXEL_ARRAY)
+    polydata.GetFieldData().AddArray(array)
+    set_frame_of_polydata(polydata, frame)
+    write_bytes(check_writable(path), encode_vtp(polydata))

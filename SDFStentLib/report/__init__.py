@@ -41,12 +41,17 @@ from .lesions import residual_facts as residual_facts
 from .picture import alternatives_picture as alternatives_picture
 from .picture import before_after_picture as before_after_picture
 from .picture.painting import check_rendering as check_rendering
+from .picture.prepared import prepared_picture as prepared_picture
 from .report import FIGURE_SUFFIXES as FIGURE_SUFFIXES
 from .report import Report as Report
 from .report import plan_report as plan_report
 from .report import write_report as write_report
 from .report import write_report_figure as write_report_figure
+from .segments import PREPARED_FILES as PREPARED_FILES
 from .segments import SEGMENT_FILES as SEGMENT_FILES
+from .segments import prepared_document as prepared_document
+from .segments import prepared_page as prepared_page
+from .segments import prepared_sentences as prepared_sentences
 from .segments import segment_sentences as segment_sentences
 from .segments import write_segment as write_segment
 from .simulation import mesh_sentences as mesh_sentences

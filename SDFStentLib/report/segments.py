@@ -1,17 +1,25 @@
-"""A segment that was cut out of a vessel, in documents and words."""
+"""Vessels that were made, in documents and words: a segment that was cut out, and one of a
+segmentation."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
 from ..files import MeshComplete
+from ..geometry import Line, signed_volume
+from ..scan import PreparedVessel
 from ..segment import Segment
 from ..treatment import ExtractedSegment
 from ..units import MILLIMETERS, Frame
+from ..validation import coordinates, plain
+from ..version import VERSION
 from .facts import LINES, Fact, Facts
-from .words import RESEARCH_USE, document_json
+from .html import file_part
+from .markup import beginning, heading, page, paragraph, picture, table
+from .words import RESEARCH_USE, document_json, millimeters
 
 SUMMARY = "segment.json"
 SEGMENT_FILES = frozenset({SUMMARY, "before", "after"})
@@ -114,5 +122,136 @@ def segment_facts(segment: Segment) -> Facts:
             Fact("faces", after=faces),
             Fact(words=f"{volume:.2f} cm3 of lumen; {ends}.", level=LINES),
             Fact(words=sound, level=LINES),
+        )
+    )
+
+
+PREPARED_FILES = frozenset(
+    {"surface.vtp", "centerline.vtp", "prepared.png", "prepared.json", "prepared.html"}
+)
+"""What is in the folder of a prepared vessel."""
+
+STEPS = (
+    "The largest part of the label was kept, hollows in it filled.",
+    "Its wall is where a distance from the border of the voxels is zero, smoothed by half of the "
+    "vessel's radius beside it.",
+    "Ends were found by how far the lumen reaches, and cut flat across its line; where the image "
+    "ends, along its border.",
+    "Lines are those of the largest spheres from the inlet to every other end.",
+)
+
+
+def prepared_document(
+    made: PreparedVessel, inputs: Mapping[str, Any], outputs: Mapping[str, str]
+) -> dict[str, Any]:
+    """All that is known of a prepared vessel, for a program.
+
+    Parameters
+    ----------
+    made : PreparedVessel
+    inputs : mapping
+        The file, and the label in it.
+    outputs : mapping of str to str
+        SHA-256 of the files written beside the document.
+    """
+    return {
+        "schema": "sdfstent-prepared",
+        "version": 1,
+        "sdfstent_version": VERSION,
+        "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "notice": RESEARCH_USE,
+        "units": "mm",
+        "frame": "LPS",
+        "inputs": dict(inputs),
+        "outputs": dict(outputs),
+        "steps": list(STEPS),
+        **_prepared_facts(made).as_dict(),
+        "sentences": prepared_sentences(made),
+        "warnings": [one.sentence() for one in made.warnings],
+    }
+
+
+def prepared_sentences(made: PreparedVessel) -> list[str]:
+    """What the shell says of a prepared vessel."""
+    return list(_prepared_facts(made).sentences)
+
+
+def prepared_page(document: Mapping[str, Any], image: bytes | str) -> str:
+    """The page made from such a document; `image` is a PNG, or why there is none."""
+    title = "Vessel from a segmentation"
+    head = ("end", "face", "diameter", "center, mm (LPS)", "")
+    rows = [
+        (
+            end["name"],
+            str(end["face"]),
+            millimeters(end["diameter_mm"]),
+            coordinates(end["center_mm"]),
+            "the image ends here" if end["is_at_border"] else "",
+        )
+        for end in document["ends"]
+    ]
+    shown = picture(image, title) if isinstance(image, bytes) else paragraph(image, "small")
+    named = document["inputs"]
+    label = named["label"]
+    files = {
+        "segmentation": named["segmentation"]["file"],
+        "label": f"{label['value']} {label['name'] or ''}".strip(),
+        **{name: "written beside this page" for name in document["outputs"]},
+    }
+    parts = [
+        *beginning(title, document, named["segmentation"]["file"].split("/")[-1]),
+        *(paragraph(one, "warn") for one in document["warnings"]),
+        *map(paragraph, document["sentences"]),
+        shown,
+        heading("Ends"),
+        table(rows, head, ("", "n", "n", "n", "")),
+        heading("What was done"),
+        *(paragraph(step, "small") for step in document["steps"]),
+        *file_part(files),
+    ]
+    return page(title, parts)
+
+
+def _prepared_facts(made: PreparedVessel) -> Facts:
+    sides = [plain(side, ".3g") for side in made.voxels.tolist()]
+    size = f"{sides[0]} mm" if len(set(sides)) == 1 else f"{' x '.join(sides)} mm"
+    error = made.diameter_error
+    count, triangles = len(made.ends), len(made.surface.triangles)
+    volume = signed_volume(made.surface.points, made.surface.triangles) / 1000
+    ends = [
+        {
+            "name": end.name,
+            "face": end.number,
+            "diameter_mm": end.diameter,
+            "center_mm": end.center,
+            "is_at_border": end.is_at_border,
+        }
+        for end in made.ends
+    ]
+    length = sum(Line(made.lines.points[line]).length for line in made.lines.lines[:1])
+    return Facts(
+        (
+            Fact("voxel_spacing_mm", after=made.voxels),
+            Fact("diameter_error_mm", after=error),
+            Fact("volume_cm3", after=volume),
+            Fact("triangles", after=triangles),
+            Fact("first_line_mm", after=length),
+            Fact("ends", after=ends),
+            Fact(
+                words=f"Voxels of {size}: diameters +-{error:.2g} mm on the average, and more in "
+                "vessels less than 6 voxels wide.",
+                level=LINES,
+            ),
+            Fact(
+                words=f"Inlet of {millimeters(made.ends[0].diameter)} at "
+                f"{coordinates(made.ends[0].center)} mm (LPS), {count - 1} "
+                f"outlet{'s' * (count != 2)}.",
+                level=LINES,
+            ),
+            Fact(
+                words=f"{volume:.3g} cm3 of lumen, {triangles} triangles; closed, no "
+                "self-intersection.",
+                level=LINES,
+            ),
         )
     )

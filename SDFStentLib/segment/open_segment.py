@@ -49,7 +49,7 @@ class OpenSegment:
 
 
 def segment_between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment:
-    """The part of a vessel that two planes bound together.
+    """The part of a vessel that two planes or more bound together.
 
     Raises
     ------
@@ -77,9 +77,10 @@ def _between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment | s
     surface = vessel.surface
     every = np.arange(len(surface.triangles))
     cut = OpenSegment(vessel, CutSurface(surface.points, surface.triangles, every, none))
-    for word, plane in zip(("first", "second"), planes, strict=True):
+    for number, plane in enumerate(planes, start=1):
         divided = _divided(cut, plane)
         if isinstance(divided, str):
+            word = {1: "first", 2: "second"}.get(number, f"{number}th")
             return f"the {word} {divided}"
         cut = divided
     sides = _SidesOfCuts(cut.mesh, cut.rims)

@@ -1,0 +1,13 @@
+"""From a segmentation to a vessel: its surface with flat ends, and its centerline."""
+
+from .contour import contoured as contoured
+from .labelmap import Labelmap as Labelmap
+from .labelmap import Piece as Piece
+from .labelmap import largest_piece as largest_piece
+from .prepared import VOXEL_ERROR as VOXEL_ERROR
+from .prepared import PreparedEnd as PreparedEnd
+from .prepared import PreparedVessel as PreparedVessel
+from .prepared import prepared_vessel as prepared_vessel
+from .reader import Segmentation as Segmentation
+from .reader import read_segmentation as read_segmentation
+from .wall_distance import wall_distance as wall_distance

@@ -1,0 +1,154 @@
+"""The surface on which a field is zero, of triangles that are nearly alike."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import (
+    Surface,
+    compacted,
+    component_labels,
+    dot,
+    edges,
+    oriented_triangles,
+    signed_volume,
+)
+from ..validation import Floats, Points, Triangles
+from .labelmap import Grid
+
+OFF = 0.2
+"""Share of a voxel by which values are kept off zero for the contour: it has no triangle that is
+thinner. Points move onto the wall itself afterward."""
+
+ROUNDS = 5
+"""How often points move toward the middle of their neighbors, along the wall."""
+
+PART = 0.7
+"""Share of the way to that middle."""
+
+BULGE = 1 / 3
+"""Share of the way from the middle of its neighbors by which a point moves out: the middles of
+triangles, and not their corners, then lie on a round wall. Of equilateral triangles with sides a on
+a sphere of radius R, middles lie a^2 / (6 R) within it, and the middle of a corner's neighbors a^2
+/ (2 R) below that."""
+
+
+class _Field(NamedTuple):
+    """A field by the coefficients of its spline, on a grid that begins at zero."""
+
+    values: Grid
+    slopes: tuple[Grid, ...]
+    spacing: Floats
+
+    def at(self, coefficients: Grid, points: Points) -> Floats:
+        from scipy.ndimage import map_coordinates
+
+        places = (points / self.spacing).T
+        return np.asarray(
+            map_coordinates(coefficients, places, order=2, mode="nearest", prefilter=False)
+        )
+
+    def directions(self, points: Points) -> Points:
+        """Slopes (n, 3) of the field."""
+        return np.stack([self.at(slope, points) for slope in self.slopes], axis=1)
+
+
+def contoured(field: Grid, spacing: Floats) -> Surface:
+    """The surface on which a field is zero; closed where its border is positive.
+
+    Flying edges (Schroeder, Maynard and Geveci 2015, doi 10.1109/LDAV.2015.7348069) give the
+    triangles; points then even out along the wall and stay on it.
+
+    Parameters
+    ----------
+    field : (i, j, k) array
+        About a distance, negative inside.
+    spacing : (3,) array
+        Of the grid, whose first value is at the origin, mm.
+    """
+    from scipy.ndimage import spline_filter
+
+    voxel = float(spacing.min())
+    points, triangles = _flying_edges(_off_zero(field, OFF * voxel), spacing)
+    slopes = np.gradient(field, *spacing)
+    smooth = _Field(
+        spline_filter(field, order=2, output=np.float32),
+        tuple(spline_filter(slope, order=2, output=np.float32) for slope in slopes),
+        spacing,
+    )
+    points, normals = _onto(points, smooth, voxel)
+    links = edges(triangles).vertices
+    for _ in range(ROUNDS):
+        points = points - PART * _along(_off_middle(points, links), normals)
+        points, normals = _onto(points, smooth, voxel)
+    off = _off_middle(points, links)
+    points = points + BULGE * (off - _along(off, normals))
+    return Surface(points, oriented_triangles(points, triangles))
+
+
+def _off_zero(field: Grid, least: float) -> Grid:
+    return np.where(np.abs(field) < least, np.where(field < 0, -least, least), field)
+
+
+def _flying_edges(field: Grid, spacing: Floats) -> tuple[Points, Triangles]:
+    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
+
+    image = vtkImageData()
+    image.SetDimensions(*field.shape)
+    image.SetSpacing(*spacing)
+    values = np.ascontiguousarray(field.T).ravel()  # x runs fastest
+    image.GetPointData().SetScalars(numpy_to_vtk(values))
+    contour = vtkFlyingEdges3D()
+    contour.SetInputData(image)
+    contour.SetValue(0, 0.0)
+    contour.ComputeNormalsOff()
+    contour.ComputeScalarsOff()
+    contour.Update()
+    made = contour.GetOutput()
+    points = vtk_to_numpy(made.GetPoints().GetData()).astype(np.float64)
+    corners = vtk_to_numpy(made.GetPolys().GetConnectivityArray()).astype(np.int64)
+    return compacted(points, corners.reshape(-1, 3))
+
+
+def _onto(points: Points, field: _Field, voxel: float) -> tuple[Points, Points]:
+    """Points moved onto the wall by two steps of Newton, and its unit normals there."""
+    for _ in range(2):
+        slopes = field.directions(points)
+        steep = np.maximum(dot(slopes, slopes), np.finfo(float).tiny)
+        step = np.clip(field.at(field.values, points) / np.sqrt(steep), -voxel, voxel)
+        points = points - (step / np.sqrt(steep))[:, None] * slopes
+    return points, slopes / np.sqrt(steep)[:, None]
+
+
+def _off_middle(points: Points, links: Triangles) -> Points:
+    """From the middle of its neighbors to every point (n, 3)."""
+    first, second = links.T
+    count = np.bincount(links.ravel(), minlength=len(points))
+    sums = [
+        np.bincount(first, column[second], len(points))
+        + np.bincount(second, column[first], len(points))
+        for column in points.T
+    ]
+    return points - np.stack(sums, axis=1) / np.maximum(count, 1)[:, None]
+
+
+def _along(ways: Points, normals: Points) -> Points:
+    """The part of some ways (n, 3) that is along the wall."""
+    return ways - dot(ways, normals)[:, None] * normals
+
+
+def largest_part(surface: Surface) -> Surface:
+    """The part of a surface that has the largest volume, and none within it."""
+    links = edges(surface.triangles).vertices
+    label = component_labels(len(surface.points), links[:, 0], links[:, 1])
+    part = label[surface.triangles[:, 0]]
+    if part.max(initial=0) == 0:
+        return surface
+    numbers = np.unique(part)
+    volumes = [abs(signed_volume(surface.points, surface.triangles[part == n])) for n in numbers]
+    kept = surface.triangles[part == numbers[int(np.argmax(volumes))]]
+    return Surface(*compacted(surface.points, kept))

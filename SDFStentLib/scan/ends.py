@@ -1,0 +1,184 @@
+"""The ends of a vessel from a scan, cut flat: across its line, or where the image ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..centerline import Centerline
+from ..geometry import Line, Surface, norm, section_around
+from ..segment import (
+    CutPlane,
+    PlaneFinder,
+    Segment,
+    closed_segment,
+    segment_between,
+    with_inlets,
+)
+from ..validation import Floats, InputError, Points
+from ..vessel import vessel_parts
+
+WITHIN = 0.5
+"""An end is cut within this part of the way to the next junction, so that each vessel stays."""
+
+INSIDE = 0.5
+"""Radii from a round end inward at which the vessel has its whole width: lines end in a ball of 0.9
+of it, which lies half a radius farther out in a hemisphere."""
+
+NAMED = 10.0
+"""A place that names an end is so near to it or within two of its radii, mm."""
+
+
+class Border(NamedTuple):
+    """A side of the image that cuts the label off."""
+
+    axis: int
+    at: float
+    """Where the outer faces of its last voxels are, mm along the axis."""
+    inward: float
+    """1 where the image is beyond that, -1 where it is before."""
+
+    def beyond(self, place: Points) -> float:
+        """How far a place (3,) is out of the image, mm."""
+        return float(self.inward * (self.at - place[self.axis]))
+
+    @property
+    def normal(self) -> Floats:
+        found = np.zeros(3)
+        found[self.axis] = self.inward
+        return found
+
+
+class RoundEnd(NamedTuple):
+    """An end of a vessel as it was segmented."""
+
+    line: Line
+    """From the end inward, to the next junction."""
+    radius: float
+    border: Border | None
+    """That cuts it off."""
+
+
+class FlatEnds(NamedTuple):
+    """A vessel with flat ends."""
+
+    segment: Segment
+    """Its inlet comes first of its faces."""
+    left: tuple[RoundEnd, ...]
+    """Those that no plane cuts from one vessel alone: they stay as they are."""
+
+
+def round_ends_of(tree: Centerline, borders: Sequence[Border]) -> list[RoundEnd]:
+    """The ends of a tree, its root first."""
+    meetings = set(tree.loops[:, 0].tolist())
+    tips = [*tree.roots.tolist(), *(leaf for leaf in tree.leaves.tolist() if leaf not in meetings)]
+    branches = {int(branch[k]): (branch, k) for branch in tree.branches for k in (0, -1)}
+    found = []
+    for tip in tips:
+        branch, side = branches[tip]
+        points = tree.points[branch if side == 0 else branch[::-1]]
+        radius = float(tree.inscribed_radius[tip])
+        cuts = [one for one in borders if one.beyond(points[0]) > -radius]
+        found.append(RoundEnd(Line(points), radius, cuts[0] if cuts else None))
+    return found
+
+
+def flat_ends(
+    surface: Surface, tree: Centerline, ends: Sequence[RoundEnd], inlet: Points | None
+) -> FlatEnds:
+    """A vessel with its ends cut flat and closed, faces named, the inlet first.
+
+    Parameters
+    ----------
+    surface : Surface
+    tree : Centerline
+        Of it.
+    ends : sequence of RoundEnd
+    inlet : (3,) array or None
+        Names the inlet, mm; the widest end by default.
+
+    Raises
+    ------
+    InputError
+        Fewer than two ends can be cut, or not the inlet; a place that names no end.
+    """
+    parts = vessel_parts(surface, tree)
+    finder = PlaneFinder(parts)
+    planes = [_plane(finder, end) for end in ends]
+    cut = [plane for plane in planes if plane is not None]
+    left = tuple(end for end, plane in zip(ends, planes, strict=True) if plane is None)
+    if len(cut) < 2:
+        raise InputError(
+            f"segmentation: expected a vessel with two ends or more that a plane cuts off across, "
+            f"found {len(cut)}; trim the segment, or label one vessel alone."
+        )
+    if inlet is None:
+        first = int(np.argmax([_area(surface, plane) for plane in cut]))
+    else:
+        named_end = _named(ends, planes, inlet)
+        first = sum(plane is not None for plane in planes[:named_end])
+    ordered = [cut[first], *cut[:first], *cut[first + 1 :]]
+    numbered = [replace(plane, name=str(number)) for number, plane in enumerate(ordered)]
+    segment = closed_segment(segment_between(parts, numbered))
+    name = next(face.name for face in segment.faces if face.said == "0")
+    return FlatEnds(replace(segment, faces=with_inlets(segment.faces, [name])), left)
+
+
+def _named(ends: Sequence[RoundEnd], planes: Sequence[CutPlane | None], inlet: Points) -> int:
+    """The end that a place (3,) names; `InputError` where that has no plane."""
+    tips = np.array([end.line.points[0] for end in ends])
+    away = norm(tips - inlet)
+    number = int(np.argmin(away))
+    if away[number] > max(NAMED, 2 * ends[number].radius):
+        raise InputError(
+            f"inlet: expected a place at an end of the vessel, the nearest end is "
+            f"{away[number]:.1f} mm away; give one in mm and LPS."
+        )
+    if planes[number] is None:
+        raise InputError(
+            "inlet: expected an end that a plane cuts off across, no plane there meets this vessel "
+            "alone; choose another one, or trim the segment."
+        )
+    return number
+
+
+def _area(surface: Surface, plane: CutPlane) -> float:
+    """Area of the lumen in a plane, mm^2."""
+    section = section_around(surface.points, surface.triangles, plane.origin, plane.normal)
+    return 0.0 if section is None else section.area
+
+
+def _plane(finder: PlaneFinder, end: RoundEnd) -> CutPlane | None:
+    """The first plane from an end inward that meets its vessel alone."""
+    if end.border is not None:
+        at = _crossing(end.line.points, end.border)
+        if not finder.fault(at, end.border.normal):
+            return CutPlane("", at, end.border.normal)
+        if end.border.beyond(end.line.points[-1]) > 0:
+            return None
+    line = end.line
+    for tried in finder.steps(line):
+        if tried.along > WITHIN * line.length:
+            return None
+        is_early = tried.along < INSIDE * end.radius
+        if end.border is not None:
+            is_early = end.border.beyond(tried.place) > 0
+        if not is_early and not finder.fault(tried.place, tried.direction):
+            return CutPlane("", tried.place, tried.direction)
+    return None
+
+
+def _crossing(points: Points, border: Border) -> Points:
+    """Where a line (n, 3) from the outside crosses a border, or the place there beside its end."""
+    out = np.array([border.beyond(point) for point in points])
+    if out[0] <= 0 or (out > 0).all():
+        found = points[0].copy()
+    else:
+        last = int((out <= 0).argmax())
+        share = out[last - 1] / (out[last - 1] - out[last])
+        found = points[last - 1] + share * (points[last] - points[last - 1])
+    found[border.axis] = border.at
+    return np.asarray(found)

@@ -1,0 +1,122 @@
+"""The voxels of one label: where they are in the patient, and how they hang together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..validation import Flags, Floats, InputError, Points, coordinates, read_only
+
+Grid = NDArray[np.floating[Any]]
+"""Values (i, j, k) at voxels."""
+
+AROUND = 12
+"""Voxels round a label in which its smoothed border has room, and the vessel goes on where the
+image cuts it."""
+
+STRAIGHT = 1e-3
+"""Largest product of two directions of voxels that are perpendicular; headers have few digits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Labelmap:
+    """Voxels of one vessel.
+
+    Parameters
+    ----------
+    mask : (i, j, k) array of bool
+        Whether each voxel belongs to the vessel.
+    spacing : (3,) array
+        Distances of the voxels' centers along each axis of the mask, mm.
+    origin : (3,) array
+        Center of the first voxel in the patient, LPS, mm.
+    directions : (3, 3) array
+        Unit vectors of the axes in its columns, LPS.
+
+    Raises
+    ------
+    InputError
+        No voxel, a spacing that is no length, or axes that are not perpendicular.
+    """
+
+    mask: NDArray[np.bool_]
+    spacing: Floats
+    origin: Points
+    directions: Floats
+
+    def __post_init__(self) -> None:
+        for name in ("spacing", "origin", "directions"):
+            object.__setattr__(self, name, read_only(np.array(getattr(self, name), dtype=float)))
+        if not np.isfinite(self.spacing).all() or self.spacing.min() <= 0:
+            raise InputError(
+                "segmentation: expected voxels that are some mm apart along every axis, got a "
+                f"spacing of {coordinates(self.spacing)}; correct it in the file's header."
+            )
+        askew = np.abs(self.directions.T @ self.directions - np.eye(3)).max()
+        if askew > STRAIGHT:
+            raise InputError(
+                "segmentation: expected axes of voxels that are perpendicular, got such that are "
+                "not, as of a tilted gantry; resample it onto straight axes, in Slicer by "
+                "Resample Scalar Volume."
+            )
+        if not self.mask.any():
+            raise InputError(
+                "segmentation: expected voxels of a vessel, the label has none; choose another."
+            )
+
+    @property
+    def voxel(self) -> float:
+        """The side of a cube as large as a voxel, mm."""
+        return float(np.prod(self.spacing) ** (1 / 3))
+
+    def in_patient(self, places: Points) -> Points:
+        """Places (n, 3), mm along the axes from the first voxel, in the patient's LPS."""
+        return np.asarray(self.origin + places @ self.directions.T)
+
+
+class Piece(NamedTuple):
+    """The largest part of a label that hangs together, and what was left out beside it."""
+
+    labelmap: Labelmap
+    left_out: int
+    """Number of other parts."""
+    left_volume: float
+    """Their volume, mm^3."""
+    filled: float
+    """Volume of the hollows that were filled, mm^3."""
+    is_cut: tuple[tuple[bool, bool], ...]
+    """Of each axis whether the image cuts the part off at its beginning, and at its end."""
+
+
+def largest_piece(labelmap: Labelmap) -> Piece:
+    """The largest part of a label, its hollows filled; voxels that touch at a corner are one."""
+    from scipy.ndimage import binary_fill_holes, label
+
+    labels, count = label(labelmap.mask, structure=np.ones((3, 3, 3), dtype=bool))
+    counts = np.bincount(labels.ravel())[1:]
+    mask = labels == 1 + int(counts.argmax())
+    box = _box(mask)
+    filled = np.asarray(binary_fill_holes(mask[box]))
+    each = float(np.prod(labelmap.spacing))
+    first = np.array([side.start for side in box])
+    origin = labelmap.in_patient((first * labelmap.spacing)[None])[0]
+    return Piece(
+        Labelmap(filled, labelmap.spacing, origin, labelmap.directions),
+        count - 1,
+        float(counts.sum() - counts.max()) * each,
+        float(np.count_nonzero(filled) - counts.max()) * each,
+        tuple(
+            (side.start == 0, side.stop == length)
+            for side, length in zip(box, mask.shape, strict=True)
+        ),
+    )
+
+
+def _box(mask: Flags) -> tuple[slice, ...]:
+    from scipy.ndimage import find_objects
+
+    (box,) = find_objects(mask.astype(np.uint8))
+    return tuple(box)

@@ -1,0 +1,220 @@
+"""The way from the voxels of a label to a vessel: surface, ends, centerline."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..cautions import Caution
+from ..centerline import ExtractedLines
+from ..certificate import check_surface
+from ..geometry import NamedFaces, Surface
+from ..segment import Segment
+from ..treatment import extract_centerline
+from ..validation import DeploymentError, Floats, Points, as_place
+from .contour import contoured, largest_part
+from .ends import Border, FlatEnds, flat_ends, round_ends_of
+from .labelmap import AROUND, Labelmap, Piece, largest_piece
+from .wall_distance import wall_distance
+
+VOXEL_ERROR = 0.2
+"""Mean error of an inscribed diameter, in voxels, as `python -m benchmarks.voxels` measures it."""
+
+
+@dataclass(frozen=True)
+class PreparedEnd:
+    """An end of a prepared vessel.
+
+    Attributes
+    ----------
+    name : str
+        Of its face.
+    number : int
+        Of its face.
+    center : (3,) array
+        LPS, mm.
+    diameter : float
+        Of the circle with its area, mm.
+    is_at_border : bool
+        Whether the image ends there.
+    """
+
+    name: str
+    number: int
+    center: Points
+    diameter: float
+    is_at_border: bool
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedVessel:
+    """A vessel from a segmentation; points in LPS, mm.
+
+    Attributes
+    ----------
+    surface : Surface
+        Closed, wound outward.
+    faces : NamedFaces
+        `inlet`, the outlets and `wall`.
+    lines : ExtractedLines
+        From the inlet to every outlet.
+    ends : tuple of PreparedEnd
+        The inlet first.
+    voxels : (3,) array
+        Their spacing, mm.
+    warnings : tuple of Caution
+    """
+
+    surface: Surface
+    faces: NamedFaces
+    lines: ExtractedLines
+    ends: tuple[PreparedEnd, ...]
+    voxels: Floats
+    warnings: tuple[Caution, ...]
+
+    @property
+    def voxel(self) -> float:
+        """The side of a cube as large as a voxel, mm."""
+        return float(np.prod(self.voxels) ** (1 / 3))
+
+    @property
+    def diameter_error(self) -> float:
+        """Mean error of its diameters that voxels of this size make, mm."""
+        return VOXEL_ERROR * self.voxel
+
+
+def prepared_vessel(labelmap: Labelmap, inlet: Points | None = None) -> PreparedVessel:
+    """Surface, ends and centerline of the vessel that a label shows.
+
+    Parameters
+    ----------
+    labelmap : Labelmap
+    inlet : (3,) array, optional
+        Names the proximal end, LPS, mm; the widest by default.
+
+    Raises
+    ------
+    InputError
+        A label without two ends, or whose ends no plane cuts.
+    DeploymentError
+        No sound surface, or no centerline.
+    """
+    piece = largest_piece(labelmap)
+    part = piece.labelmap
+    rough = _surface(piece)
+    found = extract_centerline(rough)
+    tree = found.centerline
+    ends = round_ends_of(tree, _borders(piece))
+    start = None if inlet is None else _in_axes(part, inlet)
+    made = flat_ends(rough, tree, ends, start)
+    segment = _sound(made.segment)
+    caps = [face for face in segment.faces if face.kind != "wall"]
+    lines = extract_centerline(segment.surface, caps[0].center)
+    flat = [
+        PreparedEnd(
+            face.name,
+            face.number,
+            part.in_patient(face.center[None])[0],
+            2 * float(np.sqrt(face.area / np.pi)),
+            _is_at_border(face.center, _borders(piece)),
+        )
+        for face in caps
+    ]
+    points, each, radii = lines.lines
+    return PreparedVessel(
+        _in_patient(part, segment.surface),
+        segment.named_faces,
+        ExtractedLines(part.in_patient(points), each, radii),
+        tuple(flat),
+        labelmap.spacing,
+        (*_of_label(piece, flat), *_moved(part, lines.warnings), *_of_ends(part, made)),
+    )
+
+
+def _surface(piece: Piece) -> Surface:
+    """The wall of a label, its ends round, and beyond the image where that cuts it."""
+    roomy = _with_room(piece)
+    field = wall_distance(roomy)
+    for axis in range(3):
+        for side in (0, -1):
+            at = [slice(None)] * 3
+            at[axis] = slice(side, None if side else 1)
+            field[tuple(at)] = np.maximum(field[tuple(at)], roomy.voxel)
+    made = largest_part(contoured(field, roomy.spacing))
+    return made.with_points(made.points - AROUND * roomy.spacing)
+
+
+def _with_room(piece: Piece) -> Labelmap:
+    """The label with empty voxels round it; where the image cuts it, it goes on straight."""
+    part, mask = piece.labelmap, piece.labelmap.mask
+    for axis, cuts in enumerate(piece.is_cut):
+        for side, is_cut in enumerate(cuts):
+            width = [(0, 0)] * 3
+            width[axis] = (AROUND, 0) if side == 0 else (0, AROUND)
+            mask = np.pad(mask, width, mode="edge" if is_cut else "constant")
+    origin = part.in_patient(-AROUND * part.spacing[None])[0]
+    return Labelmap(mask, part.spacing, origin, part.directions)
+
+
+def _borders(piece: Piece) -> list[Border]:
+    part, found = piece.labelmap, []
+    for axis, (first, last) in enumerate(piece.is_cut):
+        side = float(part.spacing[axis])
+        if first:
+            found.append(Border(axis, -0.5 * side, 1.0))
+        if last:
+            found.append(Border(axis, (part.mask.shape[axis] - 0.5) * side, -1.0))
+    return found
+
+
+def _is_at_border(center: Points, borders: Sequence[Border]) -> bool:
+    return any(abs(one.beyond(center)) < 1e-6 for one in borders)
+
+
+def _in_axes(part: Labelmap, place: Points) -> Points:
+    return np.asarray((np.asarray(place, dtype=float) - part.origin) @ part.directions)
+
+
+def _in_patient(part: Labelmap, surface: Surface) -> Surface:
+    """A surface in the patient; axes that are a left hand turn its triangles."""
+    turned = np.linalg.det(part.directions) < 0
+    triangles = surface.triangles[:, ::-1] if turned else surface.triangles
+    return Surface(part.in_patient(surface.points), triangles)
+
+
+def _sound(segment: Segment) -> Segment:
+    found = check_surface(segment.surface)
+    if found.passed and found.is_watertight:
+        return segment
+    raise DeploymentError(
+        f"segmentation: expected a sound surface, {found.sentence()} Smooth the segment, or fill "
+        "what is thin, in Slicer by Segment Editor."
+    )
+
+
+def _of_label(piece: Piece, ends: Sequence[PreparedEnd]) -> list[Caution]:
+    found = []
+    if piece.left_out:
+        numbers = {"count": piece.left_out, "volume_mm3": piece.left_volume}
+        found.append(Caution("label-bits", numbers))
+    names = [end.name for end in ends if end.is_at_border]
+    if names:
+        found.append(Caution("image-ends", {"names": ", ".join(names)}))
+    return found
+
+
+def _of_ends(part: Labelmap, made: FlatEnds) -> list[Caution]:
+    places = [part.in_patient(end.line.points[:1])[0] for end in made.left]
+    return [Caution("dead-end", {}, as_place(place)) for place in places]
+
+
+def _moved(part: Labelmap, cautions: Sequence[Caution]) -> list[Caution]:
+    """The same, their places in the patient."""
+    return [
+        one
+        if one.place is None
+        else replace(one, place=as_place(part.in_patient(np.array([one.place]))[0]))
+        for one in cautions
+    ]

@@ -1,0 +1,219 @@
+"""From a segmentation to a surface with flat, named ends and its centerline."""
+
+import gzip
+import json
+import struct
+
+import numpy as np
+import pytest
+import SimpleITK
+from segmentations import FORK, named, voxels, write
+
+from benchmarks.voxels import errors, voxel_tube
+from SDFStentLib.certificate import check_surface
+from SDFStentLib.cli import main
+from SDFStentLib.files import read_lines, read_surface
+from SDFStentLib.geometry import signed_volume
+from SDFStentLib.scan import (
+    Labelmap,
+    contoured,
+    largest_piece,
+    prepared_vessel,
+    read_segmentation,
+    wall_distance,
+)
+from SDFStentLib.validation import InputError
+
+SIDE = 0.9
+"""Of the voxels of the fork, mm."""
+
+
+def prepare(path, *more, out="made"):
+    return main(["prepare", str(path), "-o", str(path.parent / out), *more])
+
+
+def labelmap(mask, spacing=1.0, origin=(0, 0, 0), directions=None):
+    sides = np.broadcast_to(spacing, 3)
+    return Labelmap(mask, sides, origin, np.eye(3) if directions is None else directions)
+
+
+@pytest.fixture(scope="module")
+def fork():
+    return voxels(FORK, SIDE)
+
+
+@pytest.fixture(scope="module")
+def vessel(fork):
+    mask, low = fork
+    return prepared_vessel(labelmap(mask, SIDE, low))
+
+
+@pytest.mark.parametrize("spacing", [(0.5, 0.5, 0.5), (0.4, 0.4, 0.8)])
+def test_diameters_are_those_of_the_tube_within_a_quarter_voxel(spacing):
+    tube = voxel_tube(7.0, np.array(spacing), 0.1, 3)
+    off = errors(contoured(wall_distance(tube.labelmap), tube.labelmap.spacing), tube)
+    is_wide = 2 * tube.radii[np.arange(200, 1001, 40)] > 6 * tube.labelmap.voxel
+    assert np.abs(off[is_wide]).mean() < 0.25
+
+
+def test_the_ends_are_flat_and_named_the_widest_is_the_inlet(vessel):
+    assert [end.name for end in vessel.ends] == ["inlet", "outlet_1", "outlet_2"]
+    inlet, *outlets = (end.diameter for end in vessel.ends)
+    assert [inlet, *sorted(outlets)] == pytest.approx([8, 5.2, 6], abs=0.4)
+    for end in vessel.ends:
+        corners = vessel.surface.points[vessel.surface.triangles[vessel.faces.ids == end.number]]
+        middle = corners.mean(axis=1)
+        across = np.linalg.svd(middle - middle.mean(axis=0))[2][2]
+        assert np.abs((corners - middle.mean(axis=0)) @ across).max() < 1e-6
+    assert set(vessel.faces.names.values()) == {"inlet", "outlet_1", "outlet_2", "wall"}
+
+
+def test_the_surface_is_closed_and_wound_outward(vessel):
+    found = check_surface(vessel.surface)
+    assert found.passed
+    assert found.is_watertight
+    assert signed_volume(vessel.surface.points, vessel.surface.triangles) > 0
+
+
+def test_lines_lead_from_the_inlet_to_every_outlet(vessel):
+    lines = vessel.lines
+    assert len(lines.lines) == 2
+    for line, end in zip(lines.lines, vessel.ends[1:], strict=True):
+        assert np.linalg.norm(lines.points[line[0]] - vessel.ends[0].center) < 0.5
+        gap = min(np.linalg.norm(lines.points[line[-1]] - one.center) for one in vessel.ends[1:])
+        assert gap < 0.5
+        assert end.name.startswith("outlet")
+
+
+def test_a_place_names_another_inlet(fork):
+    mask, low = fork
+    found = prepared_vessel(labelmap(mask, SIDE, low), np.array([11.0, 0, 48]))
+    assert found.ends[0].diameter == pytest.approx(6, abs=0.5)
+    assert np.linalg.norm(found.ends[0].center - (11, 0, 48)) < 5
+    with pytest.raises(InputError, match=r"inlet: .* the nearest end is .* mm away"):
+        prepared_vessel(labelmap(mask, SIDE, low), np.array([90.0, 0, 48]))
+
+
+@pytest.mark.parametrize("turned", [1.0, -1.0])
+def test_orientation_moves_the_vessel_and_keeps_it_outward(fork, vessel, turned):
+    mask, low = fork
+    axes = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    axes *= turned * np.sign(np.linalg.det(axes))
+    found = prepared_vessel(labelmap(mask, SIDE, axes @ low, axes))
+    assert signed_volume(found.surface.points, found.surface.triangles) == pytest.approx(
+        signed_volume(vessel.surface.points, vessel.surface.triangles)
+    )
+    moved = np.array([end.center for end in vessel.ends]) @ axes.T
+    np.testing.assert_allclose([end.center for end in found.ends], moved, atol=1e-6)
+
+
+def test_where_the_image_ends_the_vessel_is_cut_along_its_border(fork):
+    mask, low = fork
+    first = int(np.ceil((10 - low[2]) / SIDE))
+    begin = low + np.array([0, 0, first * SIDE])
+    found = prepared_vessel(labelmap(mask[:, :, first:], SIDE, begin))
+    (end,) = [end for end in found.ends if end.is_at_border]
+    assert end.name == "inlet"
+    assert end.center[2] == pytest.approx(begin[2] - SIDE / 2)
+    assert "at inlet" in " ".join(one.sentence() for one in found.warnings)
+
+
+def test_bits_that_hang_free_are_left_out_and_hollows_filled(fork):
+    mask = fork[0].copy()
+    mask[1:3, 1:3, 1:3] = True
+    middle = tuple(np.argwhere(fork[0]).mean(axis=0).round().astype(int))
+    inner = np.argwhere(fork[0])
+    inner = tuple(inner[np.abs(inner - [middle[0], middle[1], 20]).sum(axis=1).argmin()])
+    mask[inner] = False
+    found = largest_piece(labelmap(mask))
+    assert (found.left_out, found.left_volume, found.filled) == (1, 8, 1)
+    said = " ".join(one.sentence() for one in prepared_vessel(labelmap(mask)).warnings)
+    assert "1 loose parts of the label, 8 mm3, were left out." in said
+
+
+def test_segments_are_chosen_by_name_number_and_layer(tmp_path, fork):
+    mask = fork[0]
+    other = np.zeros_like(mask)
+    other[:8, :8, :8] = True
+    stack = np.stack([2 * mask, other], axis=-1).astype(np.uint8)
+    texts = named(artery=(2, 0), heart=(1, 1), none=(7, 0))
+    path = write(tmp_path / "two.seg.nrrd", stack, texts=texts)
+    for word in ("artery", "2", 2):
+        np.testing.assert_array_equal(read_segmentation(path, word).labelmap.mask, mask)
+    assert read_segmentation(path, "heart").labelmap.mask.sum() == 512
+    with pytest.raises(InputError, match=r"one label, got 2: 2 \(artery\), 1 \(heart\)"):
+        read_segmentation(path)
+    with pytest.raises(InputError, match=r"voxels of none, this segment is empty"):
+        read_segmentation(path, "none")
+    with pytest.raises(InputError, match=r"a label that is there, got 9"):
+        read_segmentation(path, 9)
+
+
+@pytest.mark.parametrize("suffix", [".nii.gz", ".nii", ".mha", ".nrrd"])
+def test_spacing_place_and_direction_are_those_of_the_header(tmp_path, fork, suffix):
+    axes = np.diag([-1.0, -1.0, 1.0])
+    path = tmp_path / f"a{suffix}"
+    write(path, fork[0], (5, 6, 7), (0.5, 0.6, 0.7), axes)
+    found = read_segmentation(path).labelmap
+    np.testing.assert_allclose(found.spacing, [0.5, 0.6, 0.7], atol=1e-6)
+    np.testing.assert_allclose(found.origin, [5, 6, 7], atol=1e-5)
+    np.testing.assert_allclose(found.directions, axes, atol=1e-6)
+
+
+def test_the_command_writes_a_folder_that_other_commands_read(tmp_path, fork, capsys):
+    mask, low = fork
+    path = write(tmp_path / "artery.seg.nrrd", mask, low, SIDE, texts=named(artery=(1, 0)))
+    assert prepare(path, "--label", "artery") == 0
+    said = capsys.readouterr().out
+    assert "Voxels of 0.9 mm: diameters +-0.18 mm on the average" in said
+    surface = read_surface(tmp_path / "made" / "surface.vtp")
+    assert surface.frame == "LPS"
+    assert surface.faces.names[int(surface.faces.ids.max())].startswith("outlet")
+    assert len(read_lines(tmp_path / "made" / "centerline.vtp").lines) == 2
+    document = json.loads((tmp_path / "made" / "prepared.json").read_text(encoding="utf-8"))
+    assert document["voxel_spacing_mm"] == [0.9] * 3
+    assert document["inputs"]["label"] == {"value": 1, "name": "artery"}
+    assert len(document["ends"]) == 3
+    page = (tmp_path / "made" / "prepared.html").read_text(encoding="utf-8")
+    assert "outlet_2" in page
+    measured = ["measure", str(tmp_path / "made" / "surface.vtp"), "--centerline"]
+    assert main([*measured, str(tmp_path / "made" / "centerline.vtp")]) == 0
+    assert prepare(path) == 0  # its own folder is replaced
+
+
+def test_bad_inputs_are_a_sentence_each_and_nothing_is_written(tmp_path, fork, capsys):
+    mask = fork[0]
+    rng = np.random.default_rng(1)
+    ct = rng.integers(-1000, 400, mask.shape).astype(np.int16)
+    four = tmp_path / "four.nii.gz"
+    SimpleITK.WriteImage(
+        SimpleITK.GetImageFromArray(np.ones((2, 3, 4, 5), np.uint8), isVector=False), str(four)
+    )
+    flat = bytearray(gzip.decompress(write(tmp_path / "flat.nii.gz", mask).read_bytes()))
+    flat[80:84] = struct.pack("<f", 0.0)
+    (tmp_path / "flat.nii").write_bytes(flat)
+    flat_mha = write(tmp_path / "flat.mha", mask).read_bytes()
+    flat_mha = flat_mha.replace(b"ElementSpacing = 1", b"ElementSpacing = 0")
+    (tmp_path / "flat.mha").write_bytes(flat_mha)
+    (tmp_path / "text.nrrd").write_text("no image", encoding="ascii")
+    block = np.zeros((9, 9, 9), bool)
+    block[3:6, 3:6, 3:6] = True
+    for path, words in (
+        (write(tmp_path / "empty.nrrd", np.zeros((5, 5, 5), np.uint8)), "all of them are empty"),
+        (write(tmp_path / "ct.nrrd", ct), "got negative numbers as of an image"),
+        (write(tmp_path / "mr.nrrd", np.abs(ct)), "got neighbors that differ as of an image"),
+        (write(tmp_path / "soft.nrrd", mask * 0.5), "got fractions as of an image"),
+        (four, "of three dimensions, got an image of 5 x 4 x 3 x 2"),
+        (tmp_path / "flat.nii", "got a spacing of 0 x 1 x 1"),
+        (tmp_path / "flat.mha", "got a spacing of 0 x 1 x 1"),
+        (tmp_path / "text.nrrd", "it cannot be read"),
+        (tmp_path / "none.nrrd", "there is no such file"),
+        (tmp_path / "vessel.stl", "expected a segmentation, .nrrd"),
+        (write(tmp_path / "block.nrrd", block), "expected two ends or more"),
+    ):
+        assert prepare(path) == 2, path.name
+        said = capsys.readouterr().err
+        assert words in said, (path.name, said)
+        assert "expected" in said
+        assert len(said.splitlines()) == 1, said
+        assert not (tmp_path / "made").exists()
