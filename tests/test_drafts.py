@@ -98,6 +98,23 @@ def test_the_last_of_balloon_and_lumen_stays_when_the_rule_is_applied():
     assert in_lumen(found, 2.0) == {}
 
 
+@pytest.mark.parametrize("native", [2.0, 5.0, 9.0])
+def test_a_balloon_that_is_switched_on_leaves_the_lumen_that_was_there(native):
+    """It lost three percent each time that it was switched on where the rule raised the recoil."""
+    draft = put(Draft({}), "diameter", 6.6)
+    for _time in range(3):
+        draft = put(draft, "balloon", True)
+        for _measured in range(2):
+            draft = changed(draft, in_lumen(draft, native))
+        recoil = balloon_by_rule(6.6, native).recoil_fraction
+        assert draft.at(None).diameter == 6.6
+        assert value_in_use(draft, "balloon.diameter") == pytest.approx(6.6 / (1 - recoil))
+        assert value_in_use(draft, "balloon.recoil_fraction") == recoil
+        assert value_in_use(draft, "balloon.by_rule")
+        draft = put(draft, "balloon", False)
+        assert draft.entry["diameter"] == 6.6
+
+
 def changed_by(balloon):
     document = {"diameter": 9.0, "recoil_fraction": balloon.recoil_fraction}
     return {"balloon": {**document, "reason": balloon.reason}, "diameter": balloon.lumen_diameter}

@@ -123,8 +123,8 @@ def test_a_balloon_leaves_the_lumen_by_its_recoil(host, theSection):
     assert not ui.balloonSlider.enabled
     ui.balloonCheckBox.checked = True
     measured(host, theSection)
-    assert ui.balloonSlider.value == 9.1  # 8.5 / 0.93
-    assert parameters.stent.diameter == pytest.approx(9.1 * 0.93)
+    assert ui.balloonSlider.value == 9.14  # 8.5 / 0.93
+    assert parameters.stent.diameter == 8.5
     assert not ui.recoilSpinBox.enabled
     ui.balloonSlider.value = 8.0
     measured(host, theSection)
@@ -152,6 +152,21 @@ def test_a_balloon_leaves_the_lumen_by_its_recoil(host, theSection):
     (stent,) = planned(theSection)
     assert stent.balloon is None
     assert stent.diameter == pytest.approx(7.04)
+
+
+def test_a_balloon_that_is_switched_off_and_on_again_changes_nothing(host, theSection):
+    """Above three times the native lumen the rule raised the recoil each time, and the lumen became narrower."""
+    ui, parameters = theSection.ui, theSection._parameterNode
+    ui.diameterSlider.value = 12.0
+    for _time in range(2):
+        ui.balloonCheckBox.checked = True
+        measured(host, theSection)
+        (stent,) = planned(theSection)
+        assert stent.balloon.recoil_fraction == 0.10
+        assert (stent.diameter, ui.balloonSlider.value) == (12.0, 13.33)
+        ui.balloonCheckBox.checked = False
+        measured(host, theSection)
+        assert parameters.stent.diameter == 12.0
 
 
 def test_the_recoil_is_by_the_rule_where_the_stent_lies(host, theSection):

@@ -120,8 +120,12 @@ def _balloon(draft: Draft) -> Balloon:
 
 
 def _switched(draft: Draft, is_used: bool) -> Changes:
-    """On a balloon that leaves its lumen, or on none."""
-    return inflated(draft, round(_balloon(draft).diameter, 1) if is_used else None)
+    """On the balloon that leaves its lumen, whatever the rule finds there later, or on none."""
+    if not is_used:
+        return inflated(draft, None)
+    # No balloon that recoils leaves a lumen of its own width: that counts as set, and stays.
+    balloon = replace(_balloon(draft), diameter=draft.entry["diameter"])
+    return {"balloon": to_document(balloon)}
 
 
 def _inflated_to(draft: Draft, diameter: float) -> Changes:
