@@ -18,6 +18,7 @@ from benchmarks.phantoms import (
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_lines
 from SDFStentLib.flow import (
+    L_PER_MIN,
     Ends,
     FlowModel,
     Inflow,
@@ -30,7 +31,7 @@ from SDFStentLib.flow import (
     steady,
 )
 from SDFStentLib.geometry import NamedFaces
-from SDFStentLib.plan import flow_model
+from SDFStentLib.plan import flow_entry, flow_model, known_of
 from SDFStentLib.treatment import Vessel
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import VesselName
@@ -368,3 +369,19 @@ def test_another_end_where_lines_begin_is_an_inlet_that_is_closed_and_said_to_be
     assert ("All blood comes in at branch to face 2; branch to face 5 is an" in told) is is_closed
     shares = [float(one) for one in re.findall(r"flow to the .*: ([\d.]+) ", told)]
     assert sum(shares) == pytest.approx(100.0, abs=0.2)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_entry_stays_the_same_whenever_it_is_read_and_written(seed):
+    """Last digits came and went, of which each was a step to be undone."""
+    random = np.random.default_rng(seed)
+    for _entry in range(200):
+        count = int(random.integers(1, 4))
+        mean = round(random.uniform(0.5, 12.0), 2) / L_PER_MIN
+        own = [{"name": str(number), "mean": mean / count} for number in range(count)]
+        entry = flow_entry(known_of({"mean": mean, "inlets": own}))
+        assert entry["inlets"] == own
+        asked = {**entry, "mean": round(random.uniform(0.5, 12.0), 2) / L_PER_MIN}
+        scaled = flow_entry(known_of(asked))
+        assert flow_entry(known_of(scaled)) == scaled
+        assert sum(one["mean"] for one in scaled["inlets"]) == pytest.approx(asked["mean"])

@@ -6,6 +6,7 @@ Its values need not fit together yet; beside a wave its peak is kept, too. The o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -115,8 +116,10 @@ def _inlets(flow: Mapping[str, Any], mean: float, has_wave: bool) -> tuple[Inflo
     """The inlets with so much flow together; their own waves where that of all is theirs."""
     found = flow.get("inlets") or []
     whole = sum(one["mean"] for one in found)
+    # Those that bring the flow stay as they are, to the last digit: another one is another plan.
+    scale = 1.0 if not found or math.isclose(whole, mean) else mean / whole
     return tuple(
-        Inflow(one["name"], one["mean"] * mean / whole, _wave_in(one) if has_wave else None)
+        Inflow(one["name"], one["mean"] * scale, _wave_in(one) if has_wave else None)
         for one in found
     )
 
