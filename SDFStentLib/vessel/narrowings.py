@@ -3,7 +3,7 @@
 A narrowing is a minimum beyond which the vessel becomes wider again on both sides, on the one where
 it becomes wider least by `SMALLEST_DEGREE` (the persistence of a minimum in a merge tree); at the
 ostium of a side branch only what lies beyond tells, by `SMALLEST_ONE_SIDED`. It is measured between
-its shoulders, where the vessel widens much less than on the flank, interpolated from one to the
+its shoulders, where the flank has stopped becoming less steep, interpolated from one to the
 other. A vessel goes on beyond junctions (`VesselWay`): shoulders may lie there.
 """
 
@@ -46,13 +46,13 @@ REGAINED = 0.5
 """Share of what a narrowing loses, on the side where it becomes wider least, that healthy vessel
 has regained: the valley between two throats has less."""
 
-GENTLE = 0.25
-"""Share of the steepest slope of its flank below which a shoulder of a narrowing slopes: a vessel
-may taper. Two thirds of a bell's depth are regained where it is steepest, and 98 % here."""
+GENTLE = 0.7
+"""Share of the steepest slope of its flank below which a shoulder slopes: a flank is straight, and
+healthy vessels taper."""
 
-LEAST_GENTLE = 0.7
-"""The same where the slope is least for the length of a shoulder, as between a narrowing and the
-funnel of an ostium."""
+SETTLED = 0.02
+"""Share of that slope by which a shoulder becomes less steep over its length at most; what does so
+by more is flank yet. Bells of up to 95 % are measured against healthy vessel to 1 %."""
 
 EDGE_DEGREE = 0.10
 """A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
@@ -77,12 +77,14 @@ class Reference(NamedTuple):
     proximal_beyond: float = np.nan
     """How wide the vessel proximal of a junction goes on beyond it, mm; NaN where none is between.
     """
+    junction: float = np.nan
+    """Where that begins, from the root, mm."""
 
     def at(self, along: Floats) -> Floats:
         """Healthy diameters (n,) at some arc lengths from the root, mm."""
         proximal = self.proximal
         if proximal is not None and np.isfinite(self.proximal_beyond):
-            proximal = proximal._replace(diameter=self.proximal_beyond)
+            proximal = Plateau(self.junction, self.proximal_beyond)
         known = [side for side in (proximal, self.distal) if side is not None]
         places, widths = np.array(known or [Plateau(0.0, self.widest)]).T
         return np.asarray(np.interp(along, places, widths))
@@ -191,7 +193,7 @@ def _reference(
         beyond = widest if is_one_sided else _widest(caliber, at, 1, REACH)
         if narrow > (1 - SMALLEST_ONE_SIDED + eased) * beyond:
             return _alone(run, narrow, eased)
-    return Reference(before, after, widest, _beyond(run, before, after, begins))
+    return Reference(before, after, widest, _beyond(run, before, after, begins), begins)
 
 
 def _again(caliber: Caliber, at: int, begins: float, eased: float) -> tuple[float, float]:
@@ -276,8 +278,9 @@ def _healthy(caliber: Caliber, at: int, way: int, least: float) -> Plateau | Non
         part = slice(first, last[first])
         if last[first] == len(away) and not is_cut and np.ptp(away[part]) < KEPT * kept[first]:
             return None
-        is_least = rise[first] <= rise[part].min()
-        is_gentle = rise[first] <= (LEAST_GENTLE if is_least else GENTLE) * steepest[first]
+        is_gentle = rise[first] <= min(
+            GENTLE * steepest[first], rise[part].min() + SETTLED * steepest[first]
+        )
         usual = float(np.quantile(diameter[part], USUAL))
         # What is wider than that slopes: the funnel of a junction.
         if is_gentle and (1 - EDGE_DEGREE) * usual <= tops[first]:
