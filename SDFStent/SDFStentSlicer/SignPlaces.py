@@ -75,8 +75,8 @@ def besides(lesions, renderer=None, corner=None, former=()):
     """Where the numbers stand, a row each: beside the vessel as it is seen from the front, where no handle is, and none on another.
 
     Nor is one as the signs are seen by a `vtkRenderer` now, where none is on the `corner` (4,), a box as that of a sign; where there
-    is no room, where there is most. One that is on nothing stays at its `former` place, if there are any. Of a lesion in the view
-    it is in the view.
+    is no room, where there is most. One that is on nothing stays at its `former` place, if there are any, unless there is room
+    nearer by a whole step. Of a lesion in the view it is in the view.
     """
     placed, boxes = [], []
     for number, lesion in enumerate(lesions, start=1):
@@ -88,10 +88,21 @@ def besides(lesions, renderer=None, corner=None, former=()):
         for place, box in zip(placed, boxes, strict=True):
             apart = np.linalg.norm(places - place, axis=1) / APART
             room = np.minimum(room, np.minimum(apart, signsApart(seen, box)))
-        best = int(np.argmax(np.minimum(room, 1.0)))
+        best = _bestOf(places, room, lesion.point, len(former) > 0)
         placed.append(places[best])
         boxes.append(seen[best])
     return placed
+
+
+def _bestOf(places, room, point, hasFormer):
+    """Which of places (n, 3) with so much room (n,) is the one for a lesion at a point; the first is the former one if there is one."""
+    best = int(np.argmax(np.minimum(room, 1.0)))
+    if hasFormer and best == 0:
+        away = np.linalg.norm(places - point, axis=1)
+        step = away[1]  # the nearest choice is one step away
+        nearer = np.flatnonzero((room >= 1.0) & (away < away[0] - step))
+        best = int(nearer[0]) if len(nearer) else 0
+    return best
 
 
 def _choices(lesion, renderer):

@@ -136,6 +136,30 @@ def test_signs_that_lie_on_nothing_stay(host, marks):
     assert marks._numbers.GetMTime() == modified
 
 
+def test_signs_come_nearer_when_there_is_room_again(host, marks):
+    """One that was put aside in a small view from afar stayed 60 mm from its lesion, beside another one."""
+    from SDFStentSlicer.SignPlaces import besides
+
+    view, rng = host.application.view, np.random.default_rng(5203)
+    lesions = [aLesion(rng.uniform(-15, 15, 3), rng.normal(size=3), 5.0) for _n in range(13)]
+    points = np.array([one.point for one in lesions])
+    marks.show(lesions)
+    view.window.SetSize(392, 310)
+    view.look((-150, 150, -150, 150, -150, 150), zoom=1.0)
+    rest(host, marks)
+    view.window.SetSize(900, 675)
+    view.look((-30, 30, -30, 30, -30, 30), zoom=1.0)
+    rest(host, marks)
+    signs = [marks._numbers.GetNthControlPointPositionWorld(n) for n in range(len(lesions))]
+    away = np.linalg.norm(np.array(signs) - points, axis=1)
+    anew = np.linalg.norm(np.array(besides(lesions, view.renderer)) - points, axis=1)
+    assert away.max() < 1.5 * anew.max()
+    assert away.mean() < 1.5 * anew.mean()
+    boxes = signsIn(view, marks)
+    for number, box in enumerate(boxes):
+        assert all(areApart(box, other) for other in boxes[:number]), number
+
+
 def linesIn(view, color):
     """Left, right, bottom and top of what is drawn in the color of the ground of the lines, pixels."""
     grabber = vtkWindowToImageFilter()
