@@ -330,7 +330,7 @@ def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
     report = json.loads(Path("demo/report.json").read_text(encoding="utf-8"))
     # A plan to sign: nothing is warned of but the picture, and that the lesion begins before it.
     (uncovered,) = report["warnings"]
-    assert "Lesion 1 is not wholly covered: 2.0 of its 11.4 mm" in str(uncovered)
+    assert "Lesion 1 is not wholly covered: 1.4 of its 10.8 mm" in str(uncovered)
     assert said.err.count("warning:") == 2
     assert not Path("demo/before_after.png").exists()
     inputs = json.loads(Path("demo/report.json").read_text(encoding="utf-8"))["inputs"]

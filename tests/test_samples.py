@@ -1,4 +1,4 @@
-"""The sample vessels are what their phantoms are, to the bit."""
+"""The sample vessels are what their phantoms are."""
 
 import numpy as np
 import pytest
@@ -6,21 +6,31 @@ import pytest
 from benchmarks import phantoms
 from SDFStentLib.cli.demo import STENT_ENDS
 from SDFStentLib.files import read_centerline, read_surface
+from SDFStentLib.geometry import SurfaceIndex
 from SDFStentLib.samples import NAMES, sample
+
+ROUNDING = 1e-12
+"""Some units in the last place of 100 mm, mm."""
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_sample_is_its_phantom_to_the_bit(name):
+def test_a_sample_is_its_phantom(name):
+    """But for last digits of sines, which processors round differently, and what these decide."""
     made = getattr(phantoms, name)()
     wall = read_surface(sample(name).surface)
-    assert np.array_equal(wall.points, made.points)
-    assert np.array_equal(wall.triangles, made.triangles)
+    # Of two diagonals of one length either may be taken, and numbers follow from that.
+    assert wall.triangles.shape == made.triangles.shape
+    for one, other in ((wall, made), (made, wall)):
+        away = SurfaceIndex(one.points, one.triangles).distances(other.points).distance
+        assert away.max() < ROUNDING
     assert np.array_equal(wall.faces.ids, made.face_ids)
     assert wall.faces.names == made.faces.names
     assert wall.frame == "RAS"
     line = read_centerline(sample(name).centerline)
-    for part in ("points", "parent", "inscribed_radius"):
-        assert np.array_equal(getattr(line, part), getattr(made.centerline, part))
+    assert np.array_equal(line.parent, made.centerline.parent)
+    for part in ("points", "inscribed_radius"):
+        away = getattr(line, part) - getattr(made.centerline, part)
+        assert np.abs(away).max() < ROUNDING
 
 
 def test_the_stent_of_the_demo_lies_on_the_axis():
