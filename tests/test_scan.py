@@ -107,6 +107,20 @@ def test_orientation_moves_the_vessel_and_keeps_it_outward(fork, vessel, turned)
     np.testing.assert_allclose([end.center for end in found.ends], moved, atol=1e-6)
 
 
+def test_a_fault_has_its_place_in_the_patient(fork, monkeypatch):
+    judged = []
+
+    def judge(surface):
+        judged.append(surface.points)
+        return check_surface(surface)
+
+    monkeypatch.setattr("SDFStentLib.scan.prepared.check_surface", judge)
+    mask, low = fork
+    axes = np.diag([-1.0, 1.0, -1.0])
+    found = prepared_vessel(labelmap(mask, SIDE, axes @ low, axes))
+    np.testing.assert_array_equal(judged[0], found.surface.points)
+
+
 def test_where_the_image_ends_the_vessel_is_cut_along_its_border(fork):
     mask, low = fork
     first = int(np.ceil((10 - low[2]) / SIDE))

@@ -11,7 +11,6 @@ from ..cautions import Caution
 from ..centerline import ExtractedLines
 from ..certificate import check_surface
 from ..geometry import NamedFaces, Surface
-from ..segment import Segment
 from ..treatment import extract_centerline
 from ..validation import DeploymentError, Floats, Points, as_place
 from .contour import contoured, largest_part
@@ -109,7 +108,8 @@ def prepared_vessel(labelmap: Labelmap, inlet: Points | None = None) -> Prepared
     ends = round_ends_of(tree, _borders(piece))
     start = None if inlet is None else _in_axes(part, inlet)
     made = flat_ends(rough, tree, ends, start)
-    segment = _sound(made.segment)
+    segment = made.segment
+    wall = _sound(_in_patient(part, segment.surface))
     caps = [face for face in segment.faces if face.kind != "wall"]
     lines = extract_centerline(segment.surface, caps[0].center)
     flat = [
@@ -124,7 +124,7 @@ def prepared_vessel(labelmap: Labelmap, inlet: Points | None = None) -> Prepared
     ]
     points, each, radii = lines.lines
     return PreparedVessel(
-        _in_patient(part, segment.surface),
+        wall,
         segment.named_faces,
         ExtractedLines(part.in_patient(points), each, radii),
         tuple(flat),
@@ -184,10 +184,11 @@ def _in_patient(part: Labelmap, surface: Surface) -> Surface:
     return Surface(part.in_patient(surface.points), triangles)
 
 
-def _sound(segment: Segment) -> Segment:
-    found = check_surface(segment.surface)
+def _sound(surface: Surface) -> Surface:
+    """A surface in the patient, where a fault has its place; `DeploymentError` for one."""
+    found = check_surface(surface)
     if found.passed and found.is_watertight:
-        return segment
+        return surface
     raise DeploymentError(
         f"segmentation: expected a sound surface, {found.sentence()} Smooth the segment, or fill "
         "what is thin, in Slicer by Segment Editor."
