@@ -73,6 +73,30 @@ def test_a_deployment_draws_its_stent_before_and_after(a_folder, shell):
     assert (a_folder / "seen.svg").read_text(encoding="utf-8").count("stroke-width='0.8'") == 0
 
 
+def test_a_frame_that_is_named_once_is_that_of_the_plan(a_folder, shell):
+    stent = ["--center", "0", "0", "2", "--length", "20", "--diameter", "6"]
+    placed = ["deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *stent]
+    named = [*placed, "-o", "after.vtp", "--frame", "LPS", "--save-plan", "plan.json"]
+    done = shell(*named, "--angiogram", "one.svg", folder=a_folder)
+    assert done.returncode == 0, done.stderr
+    plan = json.loads((a_folder / "plan.json").read_text(encoding="utf-8"))
+    assert plan["inputs"]["frame"] == "LPS"
+    again = shell("run", "plan.json", "-o", "made", "--angiogram", "two.svg", folder=a_folder)
+    assert again.returncode == 0, again.stderr
+    assert (a_folder / "one.svg").read_bytes() == (a_folder / "two.svg").read_bytes()
+    other = shell("run", "plan.json", "-o", "made", "--frame", "RAS", folder=a_folder)
+    assert other.returncode == 2
+    assert "expected LPS, which plan.json says" in other.stderr
+    plan["inputs"]["frame"] = None
+    (a_folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
+    silent = shell("run", "plan.json", "-o", "made", "--angiogram", "3.svg", folder=a_folder)
+    assert silent.returncode == 2
+    assert "(--frame RAS or LPS)" in silent.stderr
+    named = ["run", "plan.json", "-o", "made", "--angiogram", "3.svg", "--frame", "LPS"]
+    assert shell(*named, folder=a_folder).returncode == 0
+    assert (a_folder / "one.svg").read_bytes() == (a_folder / "3.svg").read_bytes()
+
+
 def test_a_frame_that_the_file_contradicts_is_refused(a_folder, shell):
     said_to_be_ras(a_folder / "tube.vtp")
     assert shell(*VIEWS, folder=a_folder).returncode == 0

@@ -44,7 +44,7 @@ from .console import Console, tell
 from .flow_options import add_networks, known_of, no_flow
 from .option_table import method_of
 from .outputs import Outputs
-from .place import check_place, inputs_of, plan_of
+from .place import check_frame, check_place, frame_of, inputs_of, plan_of
 from .stent_options import check_sizes, device_of, stents_of
 
 NOT_CERTIFIED = 3
@@ -90,6 +90,9 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
     start = perf_counter()
     plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
     console.units = plan.units
+    named = frame_of(options)
+    check_frame(named, plan.frame, options.plan)
+    plan = replace(plan, frame=named or plan.frame)
     files = [plan.surface, plan.centerline, *(stent.axis_file for stent in plan.stents)]
     inputs = [options.plan, options.device_mesh, *(file.path for file in files if file)]
     if options.export_0d and plan.flow is None:
@@ -179,7 +182,7 @@ class _PlanJob:
         if self.options.angiogram:
             from ..report import known_frame
 
-            known_frame(inputs.surface.frame)
+            known_frame(inputs.frame)
         if self.options.device_mesh:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
             self.console.warn(self.mesh.warnings)

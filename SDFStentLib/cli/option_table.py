@@ -42,6 +42,7 @@ MARKS = f"""\
 --root X Y Z  the end of the centerline near this point is proximal (default: the tree tells)
 --reference X Y Z ...  healthy vessel that the lesion beside it is measured against; once or twice
 {NAMES}"""
+FRAME = "--frame {RAS,LPS}  of a surface whose file does not say it\n"
 ACCEPTANCE = """\
 --accept-changed-inputs  go on although a file is not the one that the plan was made with
 """

@@ -13,6 +13,7 @@ from .option_table import (
     ACCEPTANCE,
     BY_VESSEL,
     CENTERLINE,
+    FRAME,
     JSON,
     MARKS,
     NAMES,
@@ -120,7 +121,7 @@ def _first_of_deploy() -> Parser:
 
 def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
     command.description = first.description
-    add_table(command.add_argument_group("where"), BY_VESSEL + OTHER_PLACES + MARKS)
+    add_table(command.add_argument_group("where"), BY_VESSEL + OTHER_PLACES + MARKS + FRAME)
     stent = command.add_argument_group("stent")
     for one in parameters_of(Balloon).values():
         add_parameter(stent, one)
@@ -158,7 +159,7 @@ def _run(command: argparse.ArgumentParser) -> None:
     )
     add_table(command, "plan PLAN  JSON, see docs/plan.md")
     add_table(command, "-o, --output DIR  folder to write", required=True)
-    add_table(command, ACCEPTANCE)
+    add_table(command, ACCEPTANCE + FRAME)
     add_table(command.add_argument_group("output"), OUTPUT)
     add_table(command, VERBOSE + TALK)
     add_schema(command, "plans")

@@ -25,7 +25,7 @@ from ..plan import (
 from ..report import LEAST
 from ..stent import AlongAxis, AtLesion, BetweenPoints, InputFile, OnBranch, Placement, Stent
 from ..treatment import VesselName
-from ..units import MILLIMETERS, are_apart
+from ..units import MILLIMETERS, Frame, are_apart, as_frame
 from ..validation import InputError
 
 
@@ -122,7 +122,7 @@ def place_of(options: argparse.Namespace, way: str, inputs: InputFiles) -> Place
         number = int(options.branch) if options.branch.isdecimal() else options.branch
         return Place(OnBranch(number, options.distance, options.fraction), ())
     if way == "axis":
-        line_file = in_frame_of(read_lines(options.axis, options.units), inputs.surface.frame)
+        line_file = in_frame_of(read_lines(options.axis, options.units), inputs.frame)
         file = InputFile(options.axis, line_file.sha256)
         return Place(AlongAxis(axis_of(line_file), file), line_file.warnings)
     if way == "from":
@@ -165,7 +165,7 @@ def plan_of(
         surface=input_file(inputs.surface),
         centerline=None if inputs.line_file is None else input_file(inputs.line_file),
         units=options.units,
-        frame=inputs.surface.frame,
+        frame=inputs.frame,
         root=None if root is None else tuple(root.tolist()),
         reference=tuple(tuple(place.tolist()) for place in reference_of(options)),
         names=inputs.vessel.names,
@@ -173,13 +173,33 @@ def plan_of(
 
 
 def inputs_of(options: argparse.Namespace) -> InputFiles:
-    """What is read of the surface, and of a centerline with its root and reference."""
-    return read_input_files(
+    """What is read of the surface, and of a centerline with its root and reference.
+
+    `InputError` where another frame is named than the file says.
+    """
+    frame = frame_of(options)
+    read = read_input_files(
         options.surface,
         options.centerline,
         options.units,
-        Marks(root_of(options), reference_of(options), names_of(options)),
+        Marks(root_of(options), reference_of(options), names_of(options), frame),
     )
+    check_frame(frame, read.surface.frame, options.surface)
+    return read
+
+
+def frame_of(options: argparse.Namespace) -> Frame | None:
+    """The frame that the options name, where the command has such an option."""
+    named = getattr(options, "frame", None)
+    return None if named is None else as_frame(named)
+
+
+def check_frame(named: Frame | None, known: Frame | None, said_by: str) -> None:
+    """Refuse a frame that is not the one that is known."""
+    if are_apart(named, known):
+        raise InputError(
+            f"--frame: expected {known}, which {said_by} says, got {named}; leave it out."
+        )
 
 
 def treated_of(options: argparse.Namespace, before: InputFiles) -> InputFiles:

@@ -42,6 +42,8 @@ class InputFiles:
     warnings : tuple of Caution
     seconds : float
         That reading took.
+    frame : {"RAS", "LPS"} or None
+        Of the surface, as its file says it, or as who gave its marks does; None where nobody knows.
     """
 
     surface: SurfaceFile
@@ -49,6 +51,7 @@ class InputFiles:
     vessel: Vessel
     warnings: tuple[Caution, ...]
     seconds: float
+    frame: Frame | None
 
 
 def read_input_files(
@@ -70,9 +73,10 @@ def read_input_files(
     check_joined(surface_file.surface, os.fspath(surface))
     line_file, tree = None, None
     warnings = surface_file.warnings
-    marks = marks.in_frame(surface_file.frame)
+    frame = surface_file.frame or marks.frame
+    marks = marks.in_frame(frame)
     if centerline is not None:
-        line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
+        line_file = in_frame_of(read_lines(centerline, units), frame)
         wall = surface_file.surface
         warnings += line_file.warnings
         # First: far from their wall, lines seem to run in one wide lumen, and no tree is left.
@@ -89,7 +93,8 @@ def read_input_files(
     faces, names = surface_file.faces, marks.names
     vessel = Vessel(surface_file.surface, tree, marks.reference, faces, names, lines)
     _ = vessel.given_names  # names that cannot be meant fail here rather than in the end
-    return InputFiles(surface_file, line_file, vessel, warnings, perf_counter() - start)
+    seconds = perf_counter() - start
+    return InputFiles(surface_file, line_file, vessel, warnings, seconds, frame)
 
 
 def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> InputFiles:

@@ -131,7 +131,7 @@ class PlanResult(CaseOutcome):
 
         `DeploymentError` where a solver fails.
         """
-        model = flow_of_plan(self.plan, self.inputs.vessel, self.inputs.surface.frame)
+        model = flow_of_plan(self.plan, self.inputs.vessel, self.inputs.frame)
         if model is None:
             return None
         return flow_answer(model, self.inputs.vessel, self.treatment)
@@ -217,7 +217,7 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     if inputs.vessel.reference:
         # A reference that cannot be one fails here rather than in the end.
         _ = inputs.vessel.lesions
-    flow_of_plan(plan, inputs.vessel, inputs.surface.frame)  # likewise
+    flow_of_plan(plan, inputs.vessel, inputs.frame)  # likewise
     _axes_in_space(stents, inputs.surface)  # likewise
     return case.treatment()
 
@@ -228,7 +228,7 @@ def case_of(plan: Plan, inputs: InputFiles) -> Case:
     return Case(
         inputs.vessel,
         plan,
-        surface.frame,
+        inputs.frame,
         surface.precision,
         np.empty((0, 3)) if lines is None else lines.points,
     )

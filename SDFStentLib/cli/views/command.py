@@ -16,14 +16,12 @@ from ...report import (
     ToldViews,
     document_json,
     file_facts,
-    known_frame,
     lesion_stretch,
     told_views,
     views_document,
     write_views,
 )
 from ...stent import Stent, stent_axis
-from ...units import Frame, as_frame
 from ...validation import InputError, as_number
 from ...vessel import lesion_after
 from ..console import LINES, Console
@@ -57,11 +55,10 @@ def views_command(options: argparse.Namespace, console: Console) -> int:
     look = Look(is_subtracted=options.subtracted, reach=reach)
     look = look._replace(source=None) if options.parallel else look
     inputs = inputs_of(options)
-    frame = _frame(options, inputs)
     after = None if options.after is None else treated_of(options, inputs).surface.surface
     walls = [inputs.surface.surface, *([] if after is None else [after])]
     stretch = _stretch(options, way, inputs, after)
-    told = told_views(stretch, inputs.vessel, frame, limits, apart, asked)
+    told = told_views(stretch, inputs.vessel, inputs.frame, limits, apart, asked)
     console.warn_shortly(inputs.warnings, LINES, options.units)
     outputs.write()
     for sentence in told.sentences:
@@ -69,16 +66,6 @@ def views_command(options: argparse.Namespace, console: Console) -> int:
     if outputs.names():
         console.say(f"Wrote {' and '.join(outputs.names())}")
     return 0
-
-
-def _frame(options: argparse.Namespace, inputs: InputFiles) -> Frame:
-    """The frame that the file names, or the user; `InputError` where neither does, or both do."""
-    known, given = inputs.surface.frame, options.frame and as_frame(options.frame)
-    if known is not None and given is not None and known != given:
-        raise InputError(
-            f"--frame: expected {known}, which {options.surface} says, got {given}; leave it out."
-        )
-    return known_frame(known or given)
 
 
 def _stretch(

@@ -12,6 +12,7 @@ from ...stent import Stent
 from ...validation import InputError, as_number
 from ...view import ArmLimits, ArmView, arm_limits
 from ..option_table import (
+    FRAME,
     MARKS,
     OTHER_PLACES,
     SURFACE,
@@ -40,8 +41,8 @@ def add_views(command: argparse.ArgumentParser) -> None:
     add_table(place, OTHER_PLACES + MARKS)
     add_table(
         command.add_argument_group("the C-arm"),
-        """\
---frame {RAS,LPS}  of a surface whose file does not say it
+        FRAME
+        + """\
 --view A A ...  tell of this view, too: LAO and CRA, RAO and CAU are negative; may be repeated
 --lao-rao A = 110  how far it turns to either side (default 110)
 --cra-cau A = 50  and to head and feet (default 50)

@@ -35,7 +35,7 @@ def planned_stretch(result: PlanResult) -> Stretch:
 def planned_views(result: PlanResult) -> ToldViews:
     """The views of its first stent, with the usual limits of the arm; errors as of `told_views`."""
     check_is_a(result, PlanResult, "result")
-    frame = result.inputs.surface.frame
+    frame = result.inputs.frame
     return told_views(planned_stretch(result), result.vessel, frame, arm_limits(), APART)
 
 
