@@ -10,6 +10,7 @@ import sys
 import time
 from base64 import b64encode
 from dataclasses import fields
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,7 @@ from SDFStentLib.files import (
     read_surface,
     set_face_names,
 )
+from SDFStentLib.parameter import parameters_of
 from SDFStentLib.plan import StepFiles, load_plan, run_plan
 from SDFStentLib.validation import DeploymentError
 
@@ -406,7 +408,9 @@ def test_an_empty_name_is_refused_and_writes_nothing(a_plan, capsys):
 
 
 def test_the_manual_has_every_option_and_every_choice():
-    manual = (PROJECT / "docs" / "cli.md").read_text(encoding="utf-8")
+    manual, method = (
+        (PROJECT / "docs" / name).read_text(encoding="utf-8") for name in ("cli.md", "method.md")
+    )
     for command, its_parser in parsers().items():
         assert f"sdfstent {command}".strip() in manual
         for action in its_parser._actions:
@@ -415,21 +419,7 @@ def test_the_manual_has_every_option_and_every_choice():
                     assert re.search(rf"{option}(?![\w-])", manual), (command, option)
             if action.option_strings:
                 for choice in action.choices or ():
-                    assert re.search(rf"[`|]{choice}[`|]", manual), (command, choice)
-
-
-def test_the_manual_has_the_defaults_of_the_method():
-    manual = (PROJECT / "docs" / "cli.md").read_text(encoding="utf-8")
-    known = {
-        option: action.default
-        for action in parsers()["deploy"]._actions
-        for option in action.option_strings
-    }
-    section = manual.partition("## The method")[2].partition("\n## ")[0]
-    rows = re.findall(r"^\| `(--[a-z-]+)[^|]*\| `?([^|`]+)`? \|", section, flags=re.MULTILINE)
-    assert len(rows) == 9  # --step and --no-compensation have none
-    for option, default in rows:
-        assert default == format(known[option], "" if isinstance(known[option], str) else "g")
+                    assert re.search(rf"[`| ]{choice}[`|,]", manual + method), (command, choice)
 
 
 def test_the_manual_names_the_settings_without_an_option(a_folder):
@@ -447,9 +437,24 @@ def test_the_manual_names_the_settings_without_an_option(a_folder):
         for field in fields(found)
         if getattr(found, field.name) == getattr(DeploymentSettings(), field.name)
     }
-    manual = (PROJECT / "docs" / "cli.md").read_text(encoding="utf-8")
-    (sentence,) = re.findall(r"(`contact_tolerance`.*) have no option", manual, flags=re.DOTALL)
-    assert set(re.findall(r"`(\w+)`", sentence)) == same
+    assert {name for name, option in options_of_the_method().items() if not option} == same
+
+
+def options_of_the_method() -> dict[str, str]:
+    """The option of each setting, as the table of the method document has it."""
+    method = (PROJECT / "docs" / "method.md").read_text(encoding="utf-8")
+    table = method.partition("## Defaults")[2].partition("\n## ")[0]
+    found: dict[str, str] = {}
+    for names, options in re.findall(r"^\| (`[^|]+) \|[^|]+\|([^|]*)\|", table, flags=re.M):
+        its_names, its_options = re.findall(r"\w+", names), re.findall(r"--[\w-]+", options)
+        found |= zip_longest(its_names, its_options, fillvalue="")
+    return found
+
+
+def test_the_method_document_has_the_option_of_every_setting():
+    documented = options_of_the_method()
+    for name, one in parameters_of(DeploymentSettings).items():
+        assert documented[name] == (f"--{one.option}" if one.option else ""), name
 
 
 def test_a_bar_is_drawn_on_a_terminal_only_and_wiped(monkeypatch, capsys):
