@@ -15,6 +15,8 @@ from benchmarks.phantoms import branching_pulmonary_artery
 from SDFStentLib.cli import main
 from SDFStentLib.flow import Known
 from SDFStentLib.plan import load_plan, save_plan
+from SDFStentLib.report.facts import GLANCE
+from SDFStentLib.report.flow import flow_facts
 
 
 @pytest.fixture(scope="module")
@@ -100,6 +102,21 @@ def test_without_a_plan_and_pressures_only_drops_before_are_told(flow, capsys):
     said = capsys.readouterr().out
     assert "->" not in said
     assert "Without pressures the split is as given" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [((), ", assumed"), (("--split-right", "0.7"), ", as given"), (PRESSURES, "")],
+)
+def test_a_split_that_no_pressure_tells_is_no_result(flow, capsys, words, told):
+    """It is as much after treatment as before, whatever a stent does."""
+    assert flow("--plan", flow.plan, "--mean-flow", "50mL/s", *words, "--json", "f.json") == 0
+    lines = [one for one in capsys.readouterr().out.splitlines() if "flow to the" in one]
+    assert len(lines) == 2
+    assert all(one.endswith(f" %{told}") for one in lines)
+    facts = flow_facts(json.loads(Path("f.json").read_text(encoding="utf-8")), "mean")
+    tiles = [one.tile for one in facts if one.level == GLANCE]
+    assert [one.startswith("Flow to the ") for one in tiles] == ([False] if told else [True, False])
 
 
 def test_what_no_vessel_of_this_kind_can_have_is_refused_before_anything_is_deployed(

@@ -241,7 +241,7 @@ def _facts(section: Section, moment: str, most: int | None) -> Iterator[Fact]:
     if first["inlet_mmhg"]:
         which = f" at {first['inlets'][0]['name']}" if first["inlets"] else ""
         yield _banded(f"inlet pressure{which}", _each(states, "inlet_mmhg"), "mmHg", column=INLET)
-    yield from _shares([one["share"] for one in states])
+    yield from _shares([one["share"] for one in states], _held(section["known"]))
     for number, limb in enumerate(first["limbs"]):
         shares = [one["limbs"][number]["share"] for one in states]
         yield _banded(f"flow through the {limb['name']}", shares, "%", 100.0)
@@ -250,14 +250,22 @@ def _facts(section: Section, moment: str, most: int | None) -> Iterator[Fact]:
     yield from _of_inlets(states)
 
 
-def _shares(states: Sequence[Section]) -> Iterator[Fact]:
-    """How the flow divides; the side that gains most is told first."""
-    facts = []
+def _held(known: Section) -> str:
+    """Whose the split is where no pressures tell it; empty where they do."""
+    if known["inlet_pressure_mmhg"] is not None:
+        return ""
+    return "as given" if known["split_right"] is not None else "assumed"
+
+
+def _shares(states: Sequence[Section], held: str) -> Iterator[Fact]:
+    """How the flow divides; the side that gains most is told first, unless the split is `held`: as
+    much before as after, whatever the stent does."""
+    facts, note = [], held and f", {held}"
     for side in states[0]:
-        column = f"flow_{side.replace(' ', '_')}_{{}}_percent"
-        facts.append(_banded(f"flow to the {side}", _each(states, side), "%", 100.0, column=column))
+        more = {"column": f"flow_{side.replace(' ', '_')}_{{}}_percent", "note": note}
+        facts.append(_banded(f"flow to the {side}", _each(states, side), "%", 100.0, **more))
     sides = [one for one, side in zip(facts, states[0], strict=True) if side != OTHERS]
-    if len(states) > 1 and sides:
+    if len(states) > 1 and sides and not held:
         gained = max(sides, key=lambda one: one.after - one.before)
         tile = gained.label[:1].upper() + gained.label[1:]
         facts[facts.index(gained)] = gained._replace(key="share", level=GLANCE, tile=tile)
