@@ -86,6 +86,10 @@ class QuickDrawing:
         self._former = []
 
 
+REPLACED = "SDFStent.Replaced"
+"""Attribute of a node that is hidden because another one was chosen instead."""
+
+
 def inOneColor(vessel, centerline):
     """Show models without the colors of the arrays that they happen to have, and a vessel that can be seen through.
 
@@ -154,6 +158,17 @@ def changeBack(node, attribute, isVisible, segmentID=""):
     if node.GetAttribute(attribute + segmentID):
         node.RemoveAttribute(attribute + segmentID)
         setShown(node, isVisible, segmentID)
+
+
+def inPlaceOf(formers, chosen):
+    """Show the nodes that were chosen instead of others, and hide those, if they are models, until they are chosen again."""
+    for former, node in zip(formers, chosen, strict=True):
+        if node is None or node is former:
+            continue
+        isLeft = former is not None and former.GetScene() is not None and former not in chosen
+        if isLeft and former.IsA("vtkMRMLModelNode"):
+            changeOver(former, REPLACED, False)
+        changeBack(node, REPLACED, True)
 
 
 def _hasSegment(node, segmentID):

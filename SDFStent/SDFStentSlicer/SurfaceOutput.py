@@ -17,7 +17,7 @@ class SurfaceOutput:
 
     def __init__(self, node, polyData, corners=None):
         """Show `polyData` (which becomes the node's own) unless the node already shows the same mesh."""
-        self.node, self.template = node, None
+        self.node, self.template, self.vessel = node, None, None
         withNormals(polyData)
         node.SetAndObservePolyData(polyData)
         self._polyData, self._normals = polyData, PointNormals(polyData, corners)
@@ -84,6 +84,8 @@ def outputSurface(parameterNode, vessel, former):
     if node is not shown:
         Showing.seeThrough(node.GetDisplayNode())
         node.GetDisplayNode().SetVisibility2D(True)
+    isOther = former is not None and former.vessel is not parameterNode.vessel
+    if node is not shown or isOther:
         Showing.setShown(parameterNode.vessel, False, Conversion.segmentOf(parameterNode))
     if former is not None:
         if former.node is node and former.template is template and former.isValid:
@@ -92,7 +94,7 @@ def outputSurface(parameterNode, vessel, former):
     copy = vtkPolyData()
     copy.DeepCopy(template)
     surface = SurfaceOutput(node, copy, vessel.corners)
-    surface.template = template
+    surface.template, surface.vessel = template, parameterNode.vessel
     return surface
 
 

@@ -210,6 +210,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.binder.show(self._parameterNode)
         chosen = self._parameterNode.vessel, self._parameterNode.centerline
         if chosen != self._chosen:
+            Showing.inPlaceOf(self._chosen, chosen)
             self._chosen = chosen
             self._parameterNode.status = ""  # what was said is of others
         self.logic.chooseSegment(self._parameterNode)

@@ -98,3 +98,24 @@ def test_a_part_that_lies_outside_is_said(host, aPanel, aVessel):
     settle(host, aPanel)
     assert WORDS not in ui.lesionLabel.text
     assert ui.lesionTable.visible
+
+
+def test_only_the_chosen_vessel_and_its_centerline_stand_in_the_views(host, aStent):
+    """Lines of the former vessel beside the present one would look like its own."""
+    ui = aStent.ui
+    own = ui.vesselSelector.currentNode(), ui.centerlineSelector.currentNode()
+    deploy(host, aStent)
+    other = sample("arch_with_coarctation", "Arch")
+    for chosen, gone in ((other, own), (own, other)):
+        host.click(ui.removeStentButton)
+        ui.vesselSelector.setCurrentNode(chosen[0])
+        ui.centerlineSelector.setCurrentNode(chosen[1])
+        host.click(ui.addStentButton)
+        deploy(host, aStent)
+        output = aStent._parameterNode.outputVessel
+        assert pointsOf(output).shape == pointsOf(chosen[0]).shape
+        shown = [one.GetDisplayVisibility() for one in (*chosen, *gone, output)]
+        assert shown == [0, 1, 0, 0, 1]  # the stented vessel stands where the chosen one was
+    gone[1].SetDisplayVisibility(True)  # who wants to see both may
+    ui.vesselSelector.setCurrentNode(gone[0])
+    assert gone[1].GetDisplayVisibility()
