@@ -6,6 +6,7 @@ import argparse
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from time import perf_counter
 
@@ -33,8 +34,10 @@ from ..plan import (
 )
 from ..report import (
     FIGURE_SUFFIXES,
+    PlannedViews,
     Report,
     plan_report,
+    planned_views,
     write_report,
     write_report_figure,
 )
@@ -236,7 +239,7 @@ class _PlanJob:
         return answer
 
     def write_angiogram(self, path: Path) -> None:
-        """Write what an X-ray shows of the first stent."""
+        """Write what an X-ray shows of the stents."""
         from ..report import write_angiogram
 
         write_angiogram(self._result, path, hides_device=self.options.hide_device)
@@ -266,6 +269,11 @@ class _PlanJob:
         """Write the plan, with its files relative to the folder where it will be."""
         save_plan(self.plan, path, relative_to=os.path.dirname(os.path.abspath(final)))
 
+    @cached_property
+    def _views(self) -> PlannedViews:
+        """Worked out once for all reports."""
+        return planned_views(self._result, hides_device=self.options.hide_device)
+
     @property
     def _result(self) -> PlanResult:
         assert self.result is not None
@@ -275,4 +283,10 @@ class _PlanJob:
         seconds = perf_counter() - self.write_start
         # The file does not have its final name yet.
         lost = tuple(replace(caution, label="") for caution in self.lost)
-        return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
+        return plan_report(
+            self._result,
+            lost=lost,
+            timings={"write": seconds},
+            picture=picture,
+            views=self._views,
+        )

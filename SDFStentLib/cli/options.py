@@ -42,7 +42,7 @@ HIDING = "--hide-device  pictures without the struts of the stents\n"
 OUTPUT = f"""\
 --figure F  diameters as .png or .svg
 --picture F  the vessel before and after as .png
---angiogram F  the first stent as an X-ray shows it before and after, from its best view: .png, .svg
+--angiogram F  the stents as an X-ray shows them before and after, from their best views: .png, .svg
 --export-0d DIR  the vessel as networks for svZeroDSolver; needs a flow
 --export-device F  rings and struts of the stents, as .vtp
 --device-mesh F  with --export-device: this straight mesh, along z and centered, laid along the axis

@@ -69,6 +69,7 @@ from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
 from .summary import stent_lines as stent_lines
 from .views import Look as Look
+from .views import PlannedViews as PlannedViews
 from .views import Stretch as Stretch
 from .views import ToldViews as ToldViews
 from .views import known_frame as known_frame

@@ -14,6 +14,7 @@ from .markup import beginning, heading, page, paragraph, picture, table
 from .picture.drawing import svg
 from .picture.plot import stent_plot
 from .stents import stent_titles
+from .views import views_part
 from .words import number_text, plain, plain_label
 
 Section = Mapping[str, Any]
@@ -41,6 +42,7 @@ def html_page(sections: Section, image: bytes | str | None = None) -> str:
         *(_lumen(document, lesions, title, stent) for title, stent in named),
         *branch_table(sections["branches"]),
         *apposition_table(sections["apposition"]),
+        *views_part(sections["views"]),
         *([heading("Pressure and flow"), *flow_part(flow)] if flow else []),
         # To check and to repeat it.
         "<div class='details'>",

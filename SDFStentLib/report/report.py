@@ -22,6 +22,7 @@ from .flow import flow_section
 from .lesions import residual_facts, treated_lesion_facts
 from .stents import stent_facts
 from .summary import today_facts
+from .views import PlannedViews, planned_views
 from .words import RESEARCH_USE, document_json, plain
 
 SCHEMA = "sdfstent-report"
@@ -137,6 +138,7 @@ def plan_report(
     lost: tuple[Caution, ...] = (),
     timings: Mapping[str, float] | None = None,
     picture: bytes | str | None = None,
+    views: PlannedViews | None = None,
 ) -> Report:
     """The report, ready to be written as JSON, page and figure.
 
@@ -149,6 +151,8 @@ def plan_report(
         More seconds by name, such as that for writing.
     picture : bytes or str, optional
         For the page: a PNG as of `before_after_picture`, or why there is none.
+    views : PlannedViews, optional
+        As of `planned_views`, where these are known already.
 
     Raises
     ------
@@ -167,6 +171,7 @@ def plan_report(
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "inputs": input_facts(result),
         **_subjects(result, units, arrays_kept=not lost),
+        "views": planned_views(result) if views is None else views,
         "warnings": [caution.sentence(units=units) for caution in cautions],
         "settings": setting_facts(result),
         "changes": change_facts(result),

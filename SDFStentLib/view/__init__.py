@@ -19,6 +19,7 @@ from .best import working_views as working_views
 from .rays import SOURCE as SOURCE
 from .rays import Beam as Beam
 from .rays import path_lengths as path_lengths
+from .stenosis import LesionSections as LesionSections
 from .stenosis import SeenStenosis as SeenStenosis
 from .stenosis import seen_stenosis as seen_stenosis
 from .stenosis import seen_widths as seen_widths

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +32,14 @@ class SeenStenosis(NamedTuple):
 
 
 def seen_stenosis(lesion: Lesion, after: Lesion, tree: Centerline, toward: Floats) -> SeenStenosis:
-    """How narrow a lesion looks from a direction (3,).
+    """How narrow a lesion looks from a direction (3,), a unit vector toward the detector; see
+    `LesionSections`, which is cheaper for several of them."""
+    return LesionSections(lesion, after, tree).seen(toward)
+
+
+@dataclass(frozen=True, eq=False)
+class LesionSections:
+    """The sections of a lesion, by which it looks narrow from any direction.
 
     Parameters
     ----------
@@ -40,30 +49,78 @@ def seen_stenosis(lesion: Lesion, after: Lesion, tree: Centerline, toward: Float
         The same part on the wall that is looked at; the same as `lesion` before treatment.
     tree : Centerline
         On which it was found.
-    toward : (3,) array
-        Unit vector toward the detector.
 
     Notes
     -----
     Along the lesion the healthy vessel tapers as for `measure`. Its width in the picture is the
     inscribed diameter times the ratio of both at the healthy places: 1 where these are round.
     """
-    sides = [side for side in (lesion.proximal, lesion.distal) if side is not None]
-    ratios = [_healthy_width(lesion.surface, tree, side, toward) / side.diameter for side in sides]
-    known = [ratio for ratio in ratios if np.isfinite(ratio)]
-    line, count = after.line, max(SECTIONS, 2 * len(after.line) + 1)
-    at = np.linspace(0.0, line.length, count)
-    inside = np.isfinite(after.diameters)
-    if not known or not inside.any():
-        return SeenStenosis(*[float("nan")] * 3)
-    expected = np.interp(at, line.arc_lengths[inside], after.diameters[inside])
-    widths = seen_widths(after.surface, line, at, expected, toward)
-    references = np.interp(at, line.arc_lengths, lesion.healthy) * float(np.mean(known))
-    if not np.isfinite(widths).any():
-        return SeenStenosis(*[float("nan")] * 3)
-    place = tightest(widths, references)
-    width, reference = float(widths[place]), float(references[place])
-    return SeenStenosis(100 * (1 - width / reference), width, reference)
+
+    lesion: Lesion
+    after: Lesion
+    tree: Centerline
+
+    def seen(self, toward: Floats) -> SeenStenosis:
+        """From a direction (3,), a unit vector toward the detector."""
+        ratios = [_healthy_width(one, toward) / diameter for diameter, one in self._healthy]
+        known = [ratio for ratio in ratios if np.isfinite(ratio)]
+        if not known or self._own is None:
+            return SeenStenosis(*[float("nan")] * 3)
+        widths = self._own.widths(toward)
+        line = self.after.line
+        at = self._stations
+        references = np.interp(at, line.arc_lengths, self.lesion.healthy) * float(np.mean(known))
+        if not np.isfinite(widths).any():
+            return SeenStenosis(*[float("nan")] * 3)
+        place = tightest(widths, references)
+        width, reference = float(widths[place]), float(references[place])
+        return SeenStenosis(100 * (1 - width / reference), width, reference)
+
+    @cached_property
+    def _stations(self) -> Floats:
+        line = self.after.line
+        return np.linspace(0.0, line.length, max(SECTIONS, 2 * len(line) + 1))
+
+    @cached_property
+    def _own(self) -> Sections | None:
+        line, at = self.after.line, self._stations
+        inside = np.isfinite(self.after.diameters)
+        if not inside.any():
+            return None
+        expected = np.interp(at, line.arc_lengths[inside], self.after.diameters[inside])
+        return sections_along(self.after.surface, line, at, expected)
+
+    @cached_property
+    def _healthy(self) -> list[tuple[float, Sections | None]]:
+        """At the healthy places: the diameter, and the sections there."""
+        lesion = self.lesion
+        sides = [side for side in (lesion.proximal, lesion.distal) if side is not None]
+        return [(one.diameter, _healthy_sections(lesion.surface, self.tree, one)) for one in sides]
+
+
+class Sections(NamedTuple):
+    """Sections of a lumen across an axis; k of them."""
+
+    ways: Floats
+    """(k, 3) directions of the axis there."""
+    outlines: tuple[Points | None, ...]
+    """Of each section; None where no closed one of the vessel alone lies round the axis."""
+
+    def widths(self, toward: Floats) -> Floats:
+        """In the picture from a direction (3,), across the axis, mm (k,); NaN without a section."""
+        pairs = zip(self.ways, self.outlines, strict=True)
+        return np.array([_width(outline, way, toward) for way, outline in pairs])
+
+
+def sections_along(surface: Surface, line: Line, at: Floats, expected: Floats) -> Sections:
+    """The sections of a lumen at arc lengths (k,), mm; arguments as of `seen_widths`."""
+    wall = _wall_round(surface, line, expected)
+    ways = np.column_stack(
+        [np.interp(at, line.arc_lengths, column) for column in line.directions.T]
+    )
+    ways = ways / np.linalg.norm(ways, axis=1)[:, None]
+    stations = zip(line.at(at), ways, expected, strict=True)
+    return Sections(ways, tuple(_outline(wall, *station) for station in stations))
 
 
 def seen_widths(
@@ -88,28 +145,26 @@ def seen_widths(
     (k,) array
         NaN where no closed section of the vessel alone lies round the axis.
     """
-    wall = _wall_round(surface, line, expected)
-    ways = np.column_stack(
-        [np.interp(at, line.arc_lengths, column) for column in line.directions.T]
-    )
-    ways = ways / np.linalg.norm(ways, axis=1)[:, None]
-    stations = zip(line.at(at), ways, expected, strict=True)
-    return np.array([_width(wall, *station, toward) for station in stations])
+    return sections_along(surface, line, at, expected).widths(toward)
 
 
-def _width(
-    wall: tuple[Points, Triangles], center: Floats, way: Floats, expected: float, toward: Floats
-) -> float:
+def _outline(
+    wall: tuple[Points, Triangles], center: Floats, way: Floats, expected: float
+) -> Points | None:
     section = section_around(*wall, center, way)
-    is_own = section is not None and section.is_closed
-    if section is None or not is_own:
-        return float("nan")
-    if 2 * np.sqrt(section.area / np.pi) > OWN_SECTION * expected:
-        return float("nan")
+    if section is None or not section.is_closed:
+        return None
+    is_own = 2 * np.sqrt(section.area / np.pi) <= OWN_SECTION * expected
+    return section.start if is_own else None
+
+
+def _width(outline: Points | None, way: Floats, toward: Floats) -> float:
     side = np.cross(toward, way)
     length = float(np.linalg.norm(side))
     # Seen along the vessel, its section has no side across the axis.
-    return float(np.ptp(section.start @ side)) / length if length > 0 else float("nan")
+    if outline is None or length == 0:
+        return float("nan")
+    return float(np.ptp(outline @ side)) / length
 
 
 def _wall_round(surface: Surface, line: Line, expected: Floats) -> tuple[Points, Triangles]:
@@ -120,12 +175,17 @@ def _wall_round(surface: Surface, line: Line, expected: Floats) -> tuple[Points,
     return compacted(surface.points, surface.wound_triangles.compress(near, axis=0))
 
 
-def _healthy_width(surface: Surface, tree: Centerline, side: HealthyPlace, toward: Floats) -> float:
-    """The median width of a diameter's length of healthy vessel, NaN where no section is its."""
+def _healthy_sections(surface: Surface, tree: Centerline, side: HealthyPlace) -> Sections | None:
+    """Along a diameter's length of healthy vessel."""
     line = tree.path_around(side.point, side.diameter).line
     if line.length <= 0:
-        return float("nan")
+        return None
     at = np.linspace(0.0, line.length, _HEALTHY)
-    widths = seen_widths(surface, line, at, np.full(_HEALTHY, side.diameter), toward)
+    return sections_along(surface, line, at, np.full(_HEALTHY, side.diameter))
+
+
+def _healthy_width(sections: Sections | None, toward: Floats) -> float:
+    """The median width of them, NaN where no section is the vessel's."""
+    widths = np.empty(0) if sections is None else sections.widths(toward)
     known = widths[np.isfinite(widths)]
     return float(np.median(known)) if len(known) else float("nan")

@@ -6,8 +6,10 @@ from .facts import known_frame as known_frame
 from .facts import lesion_stretch as lesion_stretch
 from .facts import told_views as told_views
 from .facts import views_document as views_document
+from .page import views_part as views_part
 from .picture import Look as Look
 from .picture import views_drawing as views_drawing
 from .picture import write_views as write_views
+from .planned import PlannedViews as PlannedViews
 from .planned import planned_views as planned_views
 from .planned import write_angiogram as write_angiogram

@@ -17,15 +17,15 @@ from ...vessel import Lesion
 from ...view import (
     ArmLimits,
     ArmView,
+    LesionSections,
     SeenStenosis,
     SeenView,
     Shown,
     WorkingViews,
-    seen_stenosis,
     working_views,
 )
 from ..facts import LINES, Fact, Facts
-from ..words import RESEARCH_USE, UNKNOWN, degree_word, millimeters
+from ..words import RESEARCH_USE, UNKNOWN, degree_word, millimeters, number_text
 
 SCHEMA = "sdfstent-views"
 BEST, SECOND, WORST, TYPED = "Best view", "Second view", "Worst view", "View"
@@ -82,7 +82,7 @@ def known_frame(frame: Frame | None) -> Frame:
             "expected a surface whose frame is known, RAS or LPS, got one that does not say it; "
             "angles of a C-arm are told from the patient's left, front and head: name the frame",
             remedy="frame",
-            otherwise=" in the file, as Slicer does",
+            otherwise=" in the file, as Slicer does, or in the plan",
             end=".",
         )
     return frame
@@ -108,47 +108,52 @@ def told_views(
         raise InputError(
             "expected a centerline, which tells what may lie in the way, got none; give one."
         )
+    sections = _sections(stretch, vessel)
     shown = Shown(vessel.centerline, stretch.line, stretch.radii, frame)
     found = working_views(shown, limits, apart)
     asked = tuple(shown.seen_from(view) for view in typed)
     roles = ((BEST, found.best), (SECOND, found.second), (WORST, found.worst))
     told = [(role, seen) for role, seen in roles if seen is not None]
-    facts = tuple(
-        Facts(_view_facts(role, seen, stretch, vessel, frame))
-        for role, seen in [*told, *((TYPED, one) for one in asked)]
-    )
-    return ToldViews(stretch, frame, limits, found, asked, facts)
+    facts = []
+    for role, seen in [*told, *((TYPED, one) for one in asked)]:
+        over = [vessel.branch_names[number] for number in seen.over_it]
+        toward = seen.view.axes(frame)[2]
+        stenoses = [
+            _Stenosis(name, one.seen(toward), one.after.percent_diameter)
+            for name, one in sections.items()
+        ]
+        facts.append(Facts(_view_facts(role, seen, stretch.length, over, stenoses)))
+    return ToldViews(stretch, frame, limits, found, asked, tuple(facts))
 
 
 def _view_facts(
-    role: str, seen: SeenView, stretch: Stretch, vessel: Vessel, frame: Frame
+    role: str,
+    seen: SeenView,
+    length: float,
+    over: Sequence[str],
+    stenoses: Sequence[_Stenosis],
 ) -> Iterator[Fact]:
-    length = stretch.length
     projected = length * (1 - seen.foreshortening)
-    names = [vessel.branch_names[number] for number in seen.over_it]
-    yield Fact("role", after=role.lower())
-    yield Fact("words", role, after=seen.view.words, words=seen.view.words)
+    yield Fact("role", "View", after=role.lower(), words=role.removesuffix(" view"))
+    yield Fact("words", "Angles", after=seen.view.words, words=seen.view.words)
     yield Fact("lao_deg", after=seen.view.primary)
     yield Fact("cra_deg", after=seen.view.secondary)
     for key, label, share in (
-        ("foreshortening_percent", "foreshortened", seen.foreshortening),
-        ("covered_percent", "covered", seen.covered),
-        ("ostia_covered_percent", "ostia covered", seen.ostia_covered),
+        ("foreshortening_percent", "Foreshortened", seen.foreshortening),
+        ("covered_percent", "Under other vessels", seen.covered),
+        ("ostia_covered_percent", "Ostia beside it covered", seen.ostia_covered),
     ):
         yield Fact(key, label, after=100 * share, unit="%", words=f"{100 * share:.0f} %")
-    yield Fact("covered_by", after=names)
-    words = f"{millimeters(projected, 1)} of {millimeters(length, 1)}"
-    yield Fact("projected_length_mm", "length in the picture", after=projected, words=words)
-    stenoses = list(_stenoses(seen, stretch, vessel, frame))
-    yield from (fact for name, one in stenoses for fact in _stenosis_facts(name, one))
-    parts = [
-        f"foreshortened {100 * seen.foreshortening:.0f} %",
-        _covered_words(seen, names),
-        f"{projected:.1f} of {length:.1f} mm long",
-        *(_stenosis_words(name, one, stretch) for name, one in stenoses),
-    ]
-    words = f"{role} {seen.view.words}: {', '.join(parts)}."
-    yield Fact("_sentence", words=words, level=LINES)
+    yield Fact("covered_by", after=over)
+    words = f"{number_text(projected, 1)} of {millimeters(length, 1)}"
+    yield Fact("projected_length_mm", "Length in the picture", after=projected, words=words)
+    yield from (fact for one in stenoses for fact in one.facts())
+    lost = f"foreshortened {100 * seen.foreshortening:.0f} %"
+    words = f"{seen.view.words}: {lost}, {_covered_words(seen, over)}"
+    yield Fact("_view", words=words)
+    shown = ", ".join([f"{projected:.1f} of {length:.1f} mm long", *map(str, stenoses)])
+    yield Fact("_shown", words=shown)
+    yield Fact("_sentence", words=f"{role} {words}, {shown}.", level=LINES)
 
 
 def _covered_words(seen: SeenView, names: Sequence[str]) -> str:
@@ -158,40 +163,55 @@ def _covered_words(seen: SeenView, names: Sequence[str]) -> str:
     return f"{told}, {ostia} % of the ostia beside it covered" if ostia else told
 
 
-def _stenoses(
-    seen: SeenView, stretch: Stretch, vessel: Vessel, frame: Frame
-) -> Iterator[tuple[str, SeenStenosis]]:
+class _Stenosis(NamedTuple):
+    """How narrow a lesion is in the picture, and in truth."""
+
+    state: str
+    """before or after"""
+    seen: SeenStenosis
+    in_3d: float
+    """Percent by the inscribed diameter."""
+
+    def facts(self) -> Iterator[Fact]:
+        percent, key = self.seen.percent, f"stenosis.{self.state}"
+        words = f"{degree_word(percent)} ({degree_word(self.in_3d)} in 3D)"
+        label = f"Stenosis {self.state}"
+        yield Fact(f"{key}.percent", label, after=percent, unit="%", words=words)
+        yield Fact(f"{key}.in_3d_percent", after=self.in_3d)
+        yield Fact(f"{key}.width_mm", after=self.seen.width)
+        yield Fact(f"{key}.reference_mm", after=self.seen.reference)
+
+    def __str__(self) -> str:
+        treated = " after treatment" if self.state == "after" else ""
+        if math.isnan(self.seen.percent):
+            return f"stenosis in the picture{treated} {UNKNOWN}"
+        in_3d = degree_word(self.in_3d)
+        return f"stenosis{treated} {degree_word(self.seen.percent)} in the picture ({in_3d} in 3D)"
+
+
+def _sections(stretch: Stretch, vessel: Vessel) -> dict[str, LesionSections]:
     """Of a lesion before, and after where it was treated."""
-    lesion, tree = stretch.lesion, vessel.centerline
+    lesion, states = stretch.lesion, (("before", stretch.lesion), ("after", stretch.after))
+    tree = vessel.centerline
     if lesion is None or tree is None:
-        return
-    toward = seen.view.axes(frame)[2]
-    for name, state in (("before", lesion), ("after", stretch.after)):
-        if state is not None:
-            yield name, seen_stenosis(lesion, state, tree, toward)
+        return {}
+    return {
+        name: LesionSections(lesion, state, tree) for name, state in states if state is not None
+    }
 
 
-def _stenosis_facts(name: str, one: SeenStenosis) -> Iterator[Fact]:
-    words = degree_word(one.percent)
-    key = f"stenosis.{name}"
-    yield Fact(f"{key}.percent", f"stenosis in the picture {name}", after=one.percent, words=words)
-    yield Fact(f"{key}.width_mm", after=one.width)
-    yield Fact(f"{key}.reference_mm", after=one.reference)
-
-
-def _stenosis_words(name: str, one: SeenStenosis, stretch: Stretch) -> str:
-    state = stretch.lesion if name == "before" else stretch.after
-    assert state is not None
-    treated = " after treatment" if name == "after" else ""
-    if math.isnan(one.percent):
-        return f"stenosis in the picture{treated} {UNKNOWN}"
-    true = degree_word(state.percent_diameter)
-    return f"stenosis{treated} {degree_word(one.percent)} in the picture ({true} in 3D)"
+def limits_document(limits: ArmLimits) -> dict[str, Any]:
+    """How far the arm turns, for JSON."""
+    return {
+        "lao_rao_deg": limits.lao_rao,
+        "cra_cau_deg": limits.cra_cau,
+        "table": [list(row) for row in limits.table],
+    }
 
 
 def views_document(told: ToldViews, **files: Any) -> dict[str, Any]:
     """All of it for JSON: files by name, the views, and the map of all angles."""
-    grid, limits = told.found.map, told.limits
+    grid = told.found.map
     percent = {
         "foreshortening_percent": grid.foreshortening,
         "covered_percent": grid.covered,
@@ -205,11 +225,7 @@ def views_document(told: ToldViews, **files: Any) -> dict[str, Any]:
         "frame": told.frame,
         "looked_at": told.stretch.title,
         "length_mm": told.stretch.length,
-        "limits": {
-            "lao_rao_deg": limits.lao_rao,
-            "cra_cau_deg": limits.cra_cau,
-            "table": [list(row) for row in limits.table],
-        },
+        "limits": limits_document(told.limits),
         "views": [one.as_dict() for one in told.facts],
         "map": {
             "lao_deg": grid.primary,

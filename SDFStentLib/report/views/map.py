@@ -41,6 +41,12 @@ def map_marks(told: ToldViews, left: float, top: float, width: float) -> list[Ma
     return marks
 
 
+def map_height(told: ToldViews, width: float) -> int:
+    """Of the map and the words below it."""
+    grid = told.found.map
+    return int(width * len(grid.secondary) / len(grid.primary)) + 112
+
+
 class _Placed:
     """Where angles are on the map."""
 

@@ -13,14 +13,17 @@ from ...files import check_suffix, write_bytes
 from ...geometry import Surface
 from ...validation import Floats, Points
 from ...view import SOURCE, Angiogram, SeenView, angiogram, beam_on
-from ..picture.drawing import GRAY, INK, Drawing, Mark, Photo, Stroke, Words, svg
+from ..picture.drawing import GRAY, INK, Drawing, Mark, Photo, Stroke, Words, shifted, svg
 from ..picture.painting import painted
 from ..words import RESEARCH_USE
 from .facts import ToldViews
-from .map import map_marks
+from .map import map_height, map_marks
 
 SIDE, GAP, TOP = 440, 24, 84
 """Of a picture, between pictures, and above them, pixels."""
+
+MAP, ROOM = 700, 60
+"""Width of the map where it stands alone, and room for its angles beside it, pixels."""
 
 RED = "#cc0d33"
 
@@ -84,18 +87,8 @@ def views_drawing(
     for column, seen in enumerate(views):
         left = GAP + column * (SIDE + GAP)
         marks += _headings(seen, left)
-        shots = [_shot(told, wall, seen, look) for wall in walls]
-        # One scale of gray for before and after.
-        darkest = max(float(np.nanmax(one.lengths)) for one in shots) or 1.0
-        for row, one in enumerate(shots):
-            place = left, TOP + row * (SIDE + GAP)
-            gray = one.gray(darkest=darkest) if look.is_subtracted else one.gray()
-            marks.append(Photo(gray, *place, SIDE, SIDE))
-            if row:
-                marks += _struts(one, struts, place)
-            marks += [*_ends(told, one, place), *_scale(one, place)]
-            state = ("before", "after")[row] if len(shots) > 1 else ""
-            marks.append(Words(state, place[0] + 8, place[1] + 20, 15, INK, "start", is_bold=True))
+        places = [(left, TOP + row * (SIDE + GAP)) for row in range(len(walls))]
+        marks += _photos(told, walls, seen, look, struts, places)
     left = GAP + len(views) * (SIDE + GAP) + 46
     marks.append(Words(f"{told.stretch.title}: all views", left, 34, 19, INK, "start", True))
     marks += map_marks(told, left, TOP, SIDE)
@@ -103,6 +96,57 @@ def views_drawing(
     marks.append(Words(_note(look), GAP, height - 14, 12, GRAY, "start"))
     width = left + SIDE + GAP
     return Drawing(width, height, tuple(marks), f"Working views of {told.stretch.title}")
+
+
+def seen_drawing(told: ToldViews, walls: Sequence[Surface], struts: Sequence[Floats]) -> Drawing:
+    """Before and after beside each other, from the best view; arguments as of `views_drawing`."""
+    places = [(column * (SIDE + GAP), 0) for column in range(len(walls))]
+    marks = _photos(told, walls, told.found.best, Look(), struts, places)
+    note = Words(_note(Look()), 0, SIDE + 20, 12, GRAY, "start")
+    width = places[-1][0] + SIDE
+    title = f"{told.stretch.title}: {told.found.best.view.words}"
+    return Drawing(width, SIDE + 28, (*marks, note), title)
+
+
+def map_drawing(told: ToldViews) -> Drawing:
+    """The map of all views alone."""
+    marks = map_marks(told, ROOM, 4, MAP)
+    height = map_height(told, MAP)
+    return Drawing(ROOM + MAP + GAP, height, tuple(marks), f"{told.stretch.title}: all views")
+
+
+def below_each_other(drawings: Sequence[Drawing]) -> Drawing:
+    """Drawings as one."""
+    marks: list[Mark] = []
+    down = 0
+    for one in drawings:
+        marks += shifted(one.marks, down)
+        down += one.height
+    return Drawing(drawings[0].width, down, tuple(marks), drawings[0].title)
+
+
+def _photos(
+    told: ToldViews,
+    walls: Sequence[Surface],
+    seen: SeenView,
+    look: Look,
+    struts: Sequence[Floats],
+    places: Sequence[tuple[int, int]],
+) -> list[Mark]:
+    """Angiograms of all walls from one view, each at its place."""
+    marks: list[Mark] = []
+    shots = [_shot(told, wall, seen, look) for wall in walls]
+    # One scale of gray for before and after.
+    darkest = max(float(np.nanmax(one.lengths)) for one in shots) or 1.0
+    for number, (one, place) in enumerate(zip(shots, places, strict=True)):
+        gray = one.gray(darkest=darkest) if look.is_subtracted else one.gray()
+        marks.append(Photo(gray, *place, SIDE, SIDE))
+        if number:
+            marks += _struts(one, struts, place)
+        marks += [*_ends(told, one, place), *_scale(one, place)]
+        state = ("before", "after")[number] if len(shots) > 1 else ""
+        marks.append(Words(state, place[0] + 8, place[1] + 20, 15, INK, "start", is_bold=True))
+    return marks
 
 
 def _note(look: Look) -> str:

@@ -1,60 +1,135 @@
-"""The angiogram of a plan that was carried out: its first stent, before and after."""
+"""What an angiographer will see of a plan that was carried out: each of its stents."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...files import check_suffix, write_bytes
+from ...geometry import Surface
 from ...plan import PlanResult
-from ...validation import InputError, check_is_a
-from ...view import APART, arm_limits
-from ..picture.drawing import svg
+from ...treatment import TreatedStent
+from ...validation import Floats, InputError, check_is_a
+from ...view import APART, ArmLimits, arm_limits
+from ..facts import Facts
+from ..picture.drawing import Drawing, svg
 from ..picture.painting import painted
 from ..picture.shapes import strut_curves
-from .facts import Stretch, ToldViews, told_views
-from .picture import views_drawing
+from .facts import Stretch, ToldViews, limits_document, told_views
+from .picture import below_each_other, map_drawing, seen_drawing, views_drawing
 
 
-def planned_stretch(result: PlanResult) -> Stretch:
-    """The first stent, with the tightest lesion that it covers."""
-    stents = result.told.final_stents
-    if not stents:
-        raise InputError("angiogram: expected a plan with a stent, got one without.")
-    first = stents[0]
-    line, half = first.axis.line, first.stent.diameter / 2
-    title, radii = f"Stent {first.number}", np.full(len(line), half)
-    for treated in result.lesions or ():
-        if first.number in treated.stents:
-            return Stretch(title, line, radii, line.length, treated.before, treated.after)
-    return Stretch(title, line, radii, line.length)
+class SeenStent(NamedTuple):
+    """The views of a stent, and what is seen from there."""
+
+    number: int
+    told: ToldViews
+    walls: tuple[Surface, Surface]
+    """Before and after treatment."""
+    struts: Sequence[Floats]
+
+    @property
+    def title(self) -> str:
+        """What is looked at."""
+        return self.told.stretch.title
+
+    @property
+    def best(self) -> Facts:
+        """Those of the best view."""
+        return self.told.facts[0]
+
+    @property
+    def drawings(self) -> tuple[Drawing, Drawing]:
+        """Before and after in the best view, and the map of all views."""
+        return seen_drawing(self.told, self.walls, self.struts), map_drawing(self.told)
+
+    @property
+    def column(self) -> Drawing:
+        """The same in one drawing, before above after."""
+        best = [self.told.found.best]
+        return views_drawing(self.told, self.walls, struts=self.struts, views=best)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For a document."""
+        length = self.told.stretch.length
+        return {"stent": self.number, "length_mm": length, "views": self.told.facts}
 
 
-def planned_views(result: PlanResult) -> ToldViews:
-    """The views of its first stent, with the usual limits of the arm; errors as of `told_views`."""
+@dataclass(frozen=True, eq=False)
+class PlannedViews:
+    """The stents of a plan as they will be seen, or why that is not told."""
+
+    stents: tuple[SeenStent, ...]
+    limits: ArmLimits
+    reason: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """For a document."""
+        frame = self.stents[0].told.frame if self.stents else None
+        return {
+            "frame": frame,
+            "reason": self.reason or None,
+            "limits": limits_document(self.limits),
+            "stents": self.stents,
+        }
+
+
+def planned_views(result: PlanResult, *, hides_device: bool = False) -> PlannedViews:
+    """The views of all stents that lie in the vessel in the end, or why there are none."""
     check_is_a(result, PlanResult, "result")
-    frame = result.inputs.frame
-    return told_views(planned_stretch(result), result.vessel, frame, arm_limits(), APART)
+    limits = arm_limits()
+    try:
+        return PlannedViews(_seen(result, limits, hides_device), limits)
+    except InputError as error:
+        return PlannedViews((), limits, str(error))
 
 
 def write_angiogram(
     result: PlanResult, path: str | os.PathLike[str], *, hides_device: bool = False
 ) -> None:
-    """Draw the first stent of a plan from its best view, before and after, to .png or .svg.
+    """Draw the stents of a plan, each from its best view, before and after, to .png or .svg.
 
     Raises
     ------
     InputError
-        Another suffix, a file that cannot be written; no frame, centerline or stent.
+        Another suffix, a file that cannot be written; no frame, centerline or radii.
     DeploymentError
         A PNG is wanted and nothing here can render; the message names what to install.
     """
+    check_is_a(result, PlanResult, "result")
     check_suffix(path, "an angiogram", (".png", ".svg"))
-    told = planned_views(result)
-    walls = [result.inputs.surface.surface, result.treatment.surface]
-    struts = () if hides_device else strut_curves(result.told.final_stents)
-    drawing = views_drawing(told, walls, struts=struts, views=[told.found.best])
+    seen = _seen(result, arm_limits(), hides_device)
+    drawing = below_each_other([one.column for one in seen])
     is_svg = Path(path).suffix.lower() == ".svg"
     write_bytes(path, svg(drawing).encode() if is_svg else painted(drawing))
+
+
+def _seen(result: PlanResult, limits: ArmLimits, hides_device: bool) -> tuple[SeenStent, ...]:
+    """Each stent; errors as of `told_views`."""
+    stents, frame = result.told.final_stents, result.inputs.frame
+    struts = () if hides_device else strut_curves(stents)
+    walls = result.inputs.surface.surface, result.treatment.surface
+    return tuple(
+        SeenStent(
+            one.number,
+            told_views(_stretch(result, one), result.vessel, frame, limits, APART),
+            walls,
+            struts,
+        )
+        for one in stents
+    )
+
+
+def _stretch(result: PlanResult, stent: TreatedStent) -> Stretch:
+    """A stent, with the first of the lesions that it covers."""
+    line, half = stent.axis.line, stent.stent.diameter / 2
+    title, radii = f"Stent {stent.number}", np.full(len(line), half)
+    for treated in result.lesions or ():
+        if stent.number in treated.stents:
+            return Stretch(title, line, radii, line.length, treated.before, treated.after)
+    return Stretch(title, line, radii, line.length)

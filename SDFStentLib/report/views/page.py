@@ -1,0 +1,28 @@
+"""Working views in a page: what is seen of every stent, and from where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..markup import facts_table, heading, paragraph
+from ..picture.drawing import svg
+from .planned import PlannedViews, SeenStent
+
+HEADING = "Working views"
+
+
+def views_part(planned: PlannedViews) -> list[str]:
+    """Every stent before and after in its best view, its views in a table, and the map of all."""
+    if planned.reason:
+        return [heading(HEADING), paragraph(f"Not told: {planned.reason}", "small")]
+    several = len(planned.stents) > 1
+    return [part for one in planned.stents for part in _of_stent(one, several)]
+
+
+def _of_stent(one: SeenStent, several: bool) -> Iterator[str]:
+    yield heading(f"{HEADING} of {one.title.lower()}" if several else HEADING)
+    yield paragraph(one.best.named("_sentence").words, "head")
+    seen, mapped = one.drawings
+    yield svg(seen)
+    yield facts_table(one.told.facts, {})
+    yield svg(mapped)
