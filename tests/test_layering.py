@@ -52,7 +52,7 @@ USES = {
     "segment": "geometry centerline vessel",
     "view": "geometry centerline vessel",
     "treatment": "geometry centerline certificate flow lumen stent deformation vessel segment",
-    "plan": "geometry centerline files flow lumen stent deformation treatment vessel",
+    "plan": "geometry centerline files flow lumen stent deformation treatment vessel view",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
     "scan": "geometry centerline certificate segment treatment vessel",
     "report": "geometry certificate lumen stent files treatment vessel segment flow plan "

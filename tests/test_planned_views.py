@@ -6,10 +6,25 @@ from html import unescape
 
 import pytest
 
-from SDFStentLib.plan import PlanResult, run_plan
-from SDFStentLib.report import plan_report, planned_views, write_angiogram
+from SDFStentLib.plan import (
+    Alternative,
+    PlanComparison,
+    PlanResult,
+    run_plan,
+)
+from SDFStentLib.plan.document import plan_document
+from SDFStentLib.plan.reader import plan_from_document
+from SDFStentLib.report import (
+    comparison_document,
+    comparison_page,
+    plan_report,
+    planned_views,
+    write_angiogram,
+)
 from SDFStentLib.report.html import html_page
 from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.validation import InputError
+from SDFStentLib.view import ViewWishes
 
 
 def framed(result: PlanResult, frame="LPS") -> PlanResult:
@@ -55,7 +70,7 @@ def test_a_page_shows_the_best_view_before_and_after_and_the_map_of_all(report):
 
 def test_struts_are_left_out_where_the_device_is_hidden(result):
     shown, hidden = (
-        planned_views(framed(result), hides_device=hides).stents[0].drawings[0]
+        next(planned_views(framed(result), hides_device=hides).stents[0].drawings())[1]
         for hides in (False, True)
     )
     assert len(shown.marks) > len(hidden.marks) + 50
@@ -90,3 +105,53 @@ def test_each_stent_of_a_plan_has_its_own_views(result, tmp_path):
     write_angiogram(both, tmp_path / "both.svg")
     drawn = (tmp_path / "both.svg").read_text(encoding="utf-8")
     assert drawn.count("<image") == 4
+
+
+def compared(*results):
+    plans = (Alternative(name, one.plan, one) for name, one in zip("abc", results, strict=False))
+    return unescape(comparison_page(comparison_document(PlanComparison(tuple(plans))), "None."))
+
+
+def test_compared_plans_have_a_column_of_views_each(result):
+    page = compared(framed(result), result)
+    row = page[page.index("<b>Best view</b>") :].split("</tr>")[0]
+    assert "<p>LAO 0, CRA 0: foreshortened 0 %, nothing over it; 18.0 of 18.0 mm long, " in row
+    assert "<p>not told</p>" in row
+    assert "<b>Second view</b>" in page
+    assert "Worst view" not in page
+    silent = compared(result, result)
+    assert "<b>Working views</b>" in silent
+    assert "RAS or LPS" in silent
+
+
+def test_a_plan_says_how_the_arm_turns_and_from_where_else_it_is_looked(result):
+    wishes = ViewWishes(lao_rao=40.0, apart=20.0, lao=30.0, cra=-20.0, table=((-90, 40, 30),))
+    plan = replace(result.plan, views=wishes)
+    assert plan_from_document(plan_document(plan)) == plan
+    usual = replace(plan, views=replace(wishes, table=()))
+    report = plan_report(framed(replace(result, plan=usual)))
+    told = report.as_dict()["views"]
+    assert told["limits"] == {"lao_rao_deg": 40, "cra_cau_deg": 50, "table": []}
+    *found, typed = told["stents"][0]["views"]
+    assert all(abs(one["lao_deg"]) <= 40 for one in found)
+    assert (typed["role"], typed["words"]) == ("view", "LAO 30, CAU 20")
+    assert typed["foreshortening_percent"] == pytest.approx(6.03, abs=0.01)  # 1 - cos 20
+    page = html_page(report.sections)
+    assert page.count("<image") == 4
+    assert "View LAO 30, CAU 20: foreshortened 6 %, nothing over it" in page
+
+
+@pytest.mark.parametrize(
+    ("views", "words"),
+    [
+        ({"lao": 10}, "both angles"),
+        ({"lao_rao": 190}, "LAO/RAO"),
+        ({"table": [[0, 10]]}, "LAO, CRA and CAU"),
+        ({"table": [[0, 10, 10], [0, 10, 10]]}, "growing LAO"),
+        ({"lai": 10}, "unknown key 'lai'"),
+    ],
+)
+def test_wishes_that_no_arm_can_fulfil_are_refused_with_their_place(result, views, words):
+    document = {**plan_document(result.plan), "views": views}
+    with pytest.raises(InputError, match=f"views.*{words}"):
+        plan_from_document(document)

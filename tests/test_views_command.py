@@ -157,7 +157,7 @@ def test_the_table_of_a_patient_limits_the_arm(a_folder, shell):
         (["--limits", "line.vtp"], "line.vtp"),
         (["-o", "v.txt"], ".png"),
         (["--reach", "0"], "--reach"),
-        (["--apart", "91"], "--apart"),
+        (["--apart", "91"], "angle between both views"),
         (["--json", "tube.vtp"], "tube.vtp"),
     ],
 )

@@ -25,6 +25,7 @@ from ..stent import (
 )
 from ..units import MILLIMETERS
 from ..validation import InputError, as_path, check_is_a
+from ..view import ViewWishes
 from .entry import stent_entry
 from .json_document import json_text, text_value, unscaled
 from .plan import Plan, method_parameters
@@ -111,6 +112,7 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
         },
         "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
         "flow": None if plan.flow is None else _flow_document(plan.flow, plan.units),
+        "views": None if plan.views is None else asdict(plan.views),
         "settings": plan.method,
     }
 
@@ -203,6 +205,7 @@ def plan_schema() -> dict[str, Any]:
         "inputs": object_schema(INPUTS),
         "stents": list_of(schema_of(Stent, placement=_placement())),
         "flow": or_null(schema_of(Known)),
+        "views": or_null(schema_of(ViewWishes)),
         "settings": object_schema(settings),
     }
     return {

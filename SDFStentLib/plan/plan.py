@@ -19,6 +19,7 @@ from ..treatment import VesselName
 from ..units import Frame, are_apart, flipped, millimeters_per
 from ..validation import InputError, Place, Points, as_place, check_is_a
 from ..version import VERSION
+from ..view import ViewWishes
 from .typed import parameter_in
 
 STRAIGHTENING = Parameter(
@@ -79,6 +80,8 @@ class Plan(ByValue):
     flow : Known, optional
         What is known of flow and pressures before treatment, for which those after it are
         estimated.
+    views : ViewWishes, optional
+        What is asked of the views from which stents are told to be seen; without, as usual.
     sdfstent_version : str
         Of the program that made the plan.
     """
@@ -95,6 +98,7 @@ class Plan(ByValue):
     reference: tuple[Place, ...] = ()
     flow: Known | None = None
     names: tuple[VesselName, ...] = ()
+    views: ViewWishes | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stents", tuple(self.stents))
@@ -104,6 +108,8 @@ class Plan(ByValue):
         STRAIGHTENING.number(self.straightening_fraction, "straightening fraction")
         if self.flow is not None:
             check_is_a(self.flow, Known, "flow")
+        if self.views is not None:
+            check_is_a(self.views, ViewWishes, "views")
         for number, stent in enumerate(self.stents, start=1):
             if not isinstance(stent, Stent):
                 raise InputError(
@@ -160,7 +166,7 @@ def parameter_at(path: str) -> Parameter:
     part, _, inside = path.partition(".")
     if part == "settings":
         return method_parameters()[inside]
-    return parameter_in({"stents": Stent, "flow": Known}[part], inside)
+    return parameter_in({"stents": Stent, "flow": Known, "views": ViewWishes}[part], inside)
 
 
 def plan_of_method(values: Mapping[str, Any]) -> Plan:

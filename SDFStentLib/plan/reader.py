@@ -24,6 +24,7 @@ from ..stent import (
 )
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, Place, as_path, as_place
+from ..view import ViewWishes
 from .document import ALONG, POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION
 from .json_document import (
     check_schema,
@@ -43,7 +44,7 @@ from .vessel_names import read_names
 MOST_STENTS = 1000
 """Of a plan, disabled ones too: far more than any patient gets."""
 
-_PARTS = ("sdfstent_version", "inputs", "settings", "flow")
+_PARTS = ("sdfstent_version", "inputs", "settings", "flow", "views")
 """What a plan may have besides its stents."""
 
 _INPUT_KEYS = ("units", "frame", "surface", "centerline", "root", "reference", "names")
@@ -126,6 +127,7 @@ def plan_from_document(
         "reference": _each(inputs.get("reference", []), "inputs.reference", reader.place),
         "names": read_names(inputs.get("names", {}), "inputs.names", reader.place),
         "flow": _flow(document.get("flow"), reader),
+        "views": _views(document.get("views")),
     }
     method = _method(document.get("settings", {}))
     plan = _named("settings", lambda: plan_of_method(method))
@@ -159,6 +161,10 @@ def _flow(value: Any, reader: _StentReader) -> Known | None:
     right = value.get("right") if isinstance(value, Mapping) else None
     made = {} if right is None else {"right": reader.place(right, "flow.right")}
     return from_document(Known, value, "flow", **made)
+
+
+def _views(value: Any) -> ViewWishes | None:
+    return None if value is None else from_document(ViewWishes, value, "views")
 
 
 def _each(value: Any, where: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:

@@ -12,6 +12,7 @@ from .flow import flow_rows, stents_in
 from .html import certificate_sentence
 from .lesions import LEFT, NO_LESION, NOT_LOOKED_FOR
 from .stents import stent_titles
+from .views import HEADING, NOT_TOLD, WORST
 from .words import degrees_text
 
 Section = Mapping[str, Any]
@@ -32,7 +33,7 @@ class ComparedRow(NamedTuple):
     @property
     def is_empty(self) -> bool:
         """Whether it says nothing of any plan."""
-        return not any(self.cells)
+        return not any(self.cells) and not self.note
 
 
 def comparison_rows(alternatives: Sequence[Section]) -> list[ComparedRow]:
@@ -49,6 +50,7 @@ def comparison_rows(alternatives: Sequence[Section]) -> list[ComparedRow]:
         *_branches(documents),
         _per_stent(CONTACT, documents, _contact),
         _of_each("Pressure and flow", documents, _flow),
+        *_views(documents),
         *_facts(documents, are_changed=False),
         _of_each("Stretch of the wall, area after over before", documents, _stretch),
     ]
@@ -186,6 +188,33 @@ def _contact(document: Section, stent: Facts) -> str:
         return again_words(again)
     free = (one for one in document["apposition"] if one.value("stent") == number)
     return "; ".join(one.named("_whole").words for one in free) or ALL_ROUND
+
+
+def _views(documents: Sequence[Section | None]) -> list[ComparedRow]:
+    """From where the stents are seen, and what of them; or why that is not told."""
+    known = [one["views"] for one in documents if one is not None]
+    if all(views.reason for views in known):
+        reasons = dict.fromkeys(views.reason for views in known)
+        return [ComparedRow(HEADING, " ".join(reasons), tuple(() for _ in documents))]
+    facts = [fact for views in known for stent in views.stents for fact in stent.told.facts]
+    roles = dict.fromkeys(str(one.value("role")) for one in facts)
+    return [
+        _of_each(role.capitalize(), documents, partial(_seen_from, role))
+        for role in roles
+        if role != WORST.lower()
+    ]
+
+
+def _seen_from(role: str, document: Section) -> Lines:
+    views, stents = document["views"], document["stents"]
+    labels = dict(zip((one.value("number") for one in stents), _labels(stents), strict=True))
+    lines = tuple(
+        f"{labels[one.number]}{facts.named('_view').words}; {facts.named('_shown').words}"
+        for one in views.stents
+        for facts in one.told.facts
+        if facts.value("role") == role
+    )
+    return lines or ((NOT_TOLD,) if views.reason else ())
 
 
 def _stretch(document: Section) -> Lines:

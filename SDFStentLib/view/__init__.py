@@ -23,3 +23,4 @@ from .stenosis import LesionSections as LesionSections
 from .stenosis import SeenStenosis as SeenStenosis
 from .stenosis import seen_stenosis as seen_stenosis
 from .stenosis import seen_widths as seen_widths
+from .wishes import ViewWishes as ViewWishes

@@ -76,6 +76,11 @@ def arm_limits(
     lao_rao = as_number(lao_rao, "LAO/RAO", unit="degrees", minimum=0, maximum=180)
     cra_cau = as_number(cra_cau, "CRA/CAU", unit="degrees", minimum=0, maximum=90)
     for row in table:
+        if len(row) != 3:
+            raise InputError(
+                f"table of limits: expected rows of LAO, CRA and CAU, got {len(row)} numbers; "
+                "correct it."
+            )
         as_number(row[0], "LAO of a row", unit="degrees", minimum=-180, maximum=180)
         for value, name in zip(row[1:], ("CRA of a row", "CAU of a row"), strict=True):
             as_number(value, name, unit="degrees", minimum=0, maximum=90)

@@ -27,7 +27,7 @@ from ...vessel import lesion_after
 from ..console import LINES, Console
 from ..outputs import Outputs
 from ..place import check_lesion_number, check_place, inputs_of, place_of, treated_of
-from .options import limits_of, views_of
+from .options import views_of, wishes_of
 
 _PROBE_DIAMETER = 1.0
 """Diameter of the stent that stands for the place that is looked at, mm; any number will do."""
@@ -40,8 +40,7 @@ def views_command(options: argparse.Namespace, console: Console) -> int:
     way = check_place(options, needed=False, has_length=has_length)
     if options.centerline is None:
         raise InputError("expected --centerline FILE, got none; give one.")
-    limits, asked = limits_of(options), views_of(options)
-    apart = as_number(options.apart, "--apart", unit="degrees", minimum=0, maximum=90)
+    wishes, asked = wishes_of(options), views_of(options)
     reach = options.reach
     if reach is not None:
         reach = as_number(reach, "--reach", unit="mm", above=0)
@@ -58,7 +57,7 @@ def views_command(options: argparse.Namespace, console: Console) -> int:
     after = None if options.after is None else treated_of(options, inputs).surface.surface
     walls = [inputs.surface.surface, *([] if after is None else [after])]
     stretch = _stretch(options, way, inputs, after)
-    told = told_views(stretch, inputs.vessel, inputs.frame, limits, apart, asked)
+    told = told_views(stretch, inputs.vessel, inputs.frame, wishes, asked)
     console.warn_shortly(inputs.warnings, LINES, options.units)
     outputs.write()
     for sentence in told.sentences:

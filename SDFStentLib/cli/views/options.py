@@ -10,7 +10,7 @@ from pathlib import Path
 from ...parameter import parameters_of
 from ...stent import Stent
 from ...validation import InputError, as_number
-from ...view import ArmLimits, ArmView, arm_limits
+from ...view import ArmView, ViewWishes
 from ..option_table import (
     FRAME,
     MARKS,
@@ -39,15 +39,16 @@ def add_views(command: argparse.ArgumentParser) -> None:
     add_table(place, USUAL_PLACE)
     add_parameter(place, parameters_of(Stent)["length"])
     add_table(place, OTHER_PLACES + MARKS)
+    arm = command.add_argument_group("the C-arm")
+    for one in parameters_of(ViewWishes).values():
+        if one.option:
+            add_parameter(arm, one, getattr(ViewWishes(), one.option.replace("-", "_")))
     add_table(
-        command.add_argument_group("the C-arm"),
+        arm,
         FRAME
         + """\
 --view A A ...  tell of this view, too: LAO and CRA, RAO and CAU are negative; may be repeated
---lao-rao A = 110  how far it turns to either side (default 110)
---cra-cau A = 50  and to head and feet (default 50)
 --limits F  CSV with rows LAO,CRA,CAU: how far it gets to head and feet there, with the table
---apart A = 60  degrees between best and second view, at least (default 60)
 """,
     )
     add_table(
@@ -64,10 +65,10 @@ def add_views(command: argparse.ArgumentParser) -> None:
     add_table(command, UNITS + TALK)
 
 
-def limits_of(options: argparse.Namespace) -> ArmLimits:
-    """The limits of the arm; `InputError` for angles that no arm has."""
+def wishes_of(options: argparse.Namespace) -> ViewWishes:
+    """What is asked of the arm; `InputError` for angles that no arm has."""
     table = () if options.limits is None else read_limits(options.limits)
-    return arm_limits(options.lao_rao, options.cra_cau, table)
+    return ViewWishes(options.lao_rao, options.cra_cau, options.apart, table=table)
 
 
 def views_of(options: argparse.Namespace) -> tuple[ArmView, ...]:

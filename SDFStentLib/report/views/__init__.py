@@ -1,11 +1,14 @@
 """What is told of working views, and drawn: angiograms, and the map of all angles."""
 
+from .facts import WORST as WORST
 from .facts import Stretch as Stretch
 from .facts import ToldViews as ToldViews
 from .facts import known_frame as known_frame
 from .facts import lesion_stretch as lesion_stretch
 from .facts import told_views as told_views
 from .facts import views_document as views_document
+from .page import HEADING as HEADING
+from .page import NOT_TOLD as NOT_TOLD
 from .page import views_part as views_part
 from .picture import Look as Look
 from .picture import views_drawing as views_drawing

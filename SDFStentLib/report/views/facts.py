@@ -21,6 +21,7 @@ from ...view import (
     SeenStenosis,
     SeenView,
     Shown,
+    ViewWishes,
     WorkingViews,
     working_views,
 )
@@ -92,11 +93,10 @@ def told_views(
     stretch: Stretch,
     vessel: Vessel,
     frame: Frame | None,
-    limits: ArmLimits,
-    apart: float,
+    wishes: ViewWishes,
     typed: Sequence[ArmView] = (),
 ) -> ToldViews:
-    """The best views of a stretch, the worst, and any others.
+    """The best views of a stretch, the worst, that of the wishes, and any others.
 
     Raises
     ------
@@ -110,8 +110,8 @@ def told_views(
         )
     sections = _sections(stretch, vessel)
     shown = Shown(vessel.centerline, stretch.line, stretch.radii, frame)
-    found = working_views(shown, limits, apart)
-    asked = tuple(shown.seen_from(view) for view in typed)
+    found = working_views(shown, wishes.limits, wishes.apart)
+    asked = tuple(shown.seen_from(view) for view in (wishes.view, *typed) if view)
     roles = ((BEST, found.best), (SECOND, found.second), (WORST, found.worst))
     told = [(role, seen) for role, seen in roles if seen is not None]
     facts = []
@@ -123,7 +123,7 @@ def told_views(
             for name, one in sections.items()
         ]
         facts.append(Facts(_view_facts(role, seen, stretch.length, over, stenoses)))
-    return ToldViews(stretch, frame, limits, found, asked, tuple(facts))
+    return ToldViews(stretch, frame, wishes.limits, found, asked, tuple(facts))
 
 
 def _view_facts(

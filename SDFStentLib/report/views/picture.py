@@ -98,13 +98,15 @@ def views_drawing(
     return Drawing(width, height, tuple(marks), f"Working views of {told.stretch.title}")
 
 
-def seen_drawing(told: ToldViews, walls: Sequence[Surface], struts: Sequence[Floats]) -> Drawing:
-    """Before and after beside each other, from the best view; arguments as of `views_drawing`."""
+def seen_drawing(
+    told: ToldViews, walls: Sequence[Surface], seen: SeenView, struts: Sequence[Floats]
+) -> Drawing:
+    """Before and after beside each other, from one view; arguments as of `views_drawing`."""
     places = [(column * (SIDE + GAP), 0) for column in range(len(walls))]
-    marks = _photos(told, walls, told.found.best, Look(), struts, places)
+    marks = _photos(told, walls, seen, Look(), struts, places)
     note = Words(_note(Look()), 0, SIDE + 20, 12, GRAY, "start")
     width = places[-1][0] + SIDE
-    title = f"{told.stretch.title}: {told.found.best.view.words}"
+    title = f"{told.stretch.title}: {seen.view.words}"
     return Drawing(width, SIDE + 28, (*marks, note), title)
 
 

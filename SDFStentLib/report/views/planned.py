@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,13 +15,13 @@ from ...geometry import Surface
 from ...plan import PlanResult
 from ...treatment import TreatedStent
 from ...validation import Floats, InputError, check_is_a
-from ...view import APART, ArmLimits, arm_limits
+from ...view import ViewWishes
 from ..facts import Facts
 from ..picture.drawing import Drawing, svg
 from ..picture.painting import painted
 from ..picture.shapes import strut_curves
 from .facts import Stretch, ToldViews, limits_document, told_views
-from .picture import below_each_other, map_drawing, seen_drawing, views_drawing
+from .picture import below_each_other, seen_drawing, views_drawing
 
 
 class SeenStent(NamedTuple):
@@ -38,15 +38,13 @@ class SeenStent(NamedTuple):
         """What is looked at."""
         return self.told.stretch.title
 
-    @property
-    def best(self) -> Facts:
-        """Those of the best view."""
-        return self.told.facts[0]
-
-    @property
-    def drawings(self) -> tuple[Drawing, Drawing]:
-        """Before and after in the best view, and the map of all views."""
-        return seen_drawing(self.told, self.walls, self.struts), map_drawing(self.told)
+    def drawings(self) -> Iterator[tuple[Facts, Drawing]]:
+        """Before and after in the best view, and in those that were chosen, with their facts."""
+        typed = self.told.typed
+        views = [self.told.found.best, *typed]
+        facts = [self.told.facts[0], *self.told.facts[len(self.told.facts) - len(typed) :]]
+        for seen, own in zip(views, facts, strict=True):
+            yield own, seen_drawing(self.told, self.walls, seen, self.struts)
 
     @property
     def column(self) -> Drawing:
@@ -65,7 +63,7 @@ class PlannedViews:
     """The stents of a plan as they will be seen, or why that is not told."""
 
     stents: tuple[SeenStent, ...]
-    limits: ArmLimits
+    wishes: ViewWishes
     reason: str = ""
 
     def as_dict(self) -> dict[str, Any]:
@@ -74,7 +72,7 @@ class PlannedViews:
         return {
             "frame": frame,
             "reason": self.reason or None,
-            "limits": limits_document(self.limits),
+            "limits": limits_document(self.wishes.limits),
             "stents": self.stents,
         }
 
@@ -82,11 +80,11 @@ class PlannedViews:
 def planned_views(result: PlanResult, *, hides_device: bool = False) -> PlannedViews:
     """The views of all stents that lie in the vessel in the end, or why there are none."""
     check_is_a(result, PlanResult, "result")
-    limits = arm_limits()
+    wishes = result.plan.views or ViewWishes()
     try:
-        return PlannedViews(_seen(result, limits, hides_device), limits)
+        return PlannedViews(_seen(result, wishes, hides_device), wishes)
     except InputError as error:
-        return PlannedViews((), limits, str(error))
+        return PlannedViews((), wishes, str(error))
 
 
 def write_angiogram(
@@ -103,13 +101,13 @@ def write_angiogram(
     """
     check_is_a(result, PlanResult, "result")
     check_suffix(path, "an angiogram", (".png", ".svg"))
-    seen = _seen(result, arm_limits(), hides_device)
+    seen = _seen(result, result.plan.views or ViewWishes(), hides_device)
     drawing = below_each_other([one.column for one in seen])
     is_svg = Path(path).suffix.lower() == ".svg"
     write_bytes(path, svg(drawing).encode() if is_svg else painted(drawing))
 
 
-def _seen(result: PlanResult, limits: ArmLimits, hides_device: bool) -> tuple[SeenStent, ...]:
+def _seen(result: PlanResult, wishes: ViewWishes, hides_device: bool) -> tuple[SeenStent, ...]:
     """Each stent; errors as of `told_views`."""
     stents, frame = result.told.final_stents, result.inputs.frame
     struts = () if hides_device else strut_curves(stents)
@@ -117,7 +115,7 @@ def _seen(result: PlanResult, limits: ArmLimits, hides_device: bool) -> tuple[Se
     return tuple(
         SeenStent(
             one.number,
-            told_views(_stretch(result, one), result.vessel, frame, limits, APART),
+            told_views(_stretch(result, one), result.vessel, frame, wishes),
             walls,
             struts,
         )
