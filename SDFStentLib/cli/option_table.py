@@ -131,7 +131,7 @@ def add_parameter(
 ) -> None:
     """Add the option of a parameter; `dest` is its attribute if that is not the option's name."""
     option = f"--{parameter.option}"
-    more: dict[str, Any] = {"dest": dest or parameter.option.replace("-", "_")}
+    more: dict[str, Any] = {"dest": dest or attribute_of(parameter)}
     if not (parameter.names or parameter.is_number):
         words = f"do not {parameter.does}" if default else parameter.does
         group.add_argument(option, action=f"store_{not default}".lower(), help=words, **more)
@@ -143,6 +143,11 @@ def add_parameter(
     else:
         more |= {"type": number, "metavar": parameter.unit.upper() or "F"}
     group.add_argument(option, default=default, help=words, **more)
+
+
+def attribute_of(parameter: Parameter) -> str:
+    """The attribute of the namespace that has the option of a parameter; empty without one."""
+    return parameter.option.replace("-", "_")
 
 
 def add_method(command: argparse.ArgumentParser) -> None:

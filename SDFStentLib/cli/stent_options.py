@@ -8,6 +8,7 @@ from ..parameter import parameters_of
 from ..plan import InputFiles, device_named, read_profile
 from ..stent import Device, Shape, Stent, StentEnd, Waist, balloon_of, dilated_again
 from ..validation import InputError
+from .option_table import attribute_of
 from .place import option_of, place_of
 
 
@@ -97,6 +98,7 @@ def _stent(options: argparse.Namespace, balloon: float | None, device: Device | 
     elif diameter is None:
         assert shape is not None  # checked by then
         diameter = max(wide for _, wide in shape.table)
-    named = {name: getattr(options, one.option) for name, one in parameters_of(Stent).items()}
+    attributes = {name: attribute_of(one) for name, one in parameters_of(Stent).items()}
+    named = {name: getattr(options, own) for name, own in attributes.items() if own}
     given = {name: value for name, value in named.items() if value is not None}
     return Stent(**{**given, "diameter": diameter}, device=device, shape=shape)
