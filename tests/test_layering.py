@@ -55,8 +55,8 @@ USES = {
     "plan": "geometry centerline files flow lumen stent deformation treatment vessel view",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
     "scan": "geometry centerline certificate segment treatment vessel",
-    "report": "geometry certificate lumen stent files treatment vessel segment flow plan "
-    "simulation view scan",
+    "report": "geometry centerline certificate lumen stent files treatment vessel segment flow "
+    "plan simulation view scan",
     "cohort": "geometry centerline certificate stent files treatment plan report",
     "cli": "files geometry samples stent vessel view flow treatment plan simulation scan report "
     "cohort",

@@ -68,14 +68,16 @@ from .summary import WARNING as WARNING
 from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
 from .summary import stent_lines as stent_lines
+from .views import Film as Film
 from .views import Look as Look
 from .views import PlannedViews as PlannedViews
+from .views import Sight as Sight
 from .views import Stretch as Stretch
 from .views import ToldViews as ToldViews
 from .views import known_frame as known_frame
 from .views import lesion_stretch as lesion_stretch
 from .views import planned_views as planned_views
-from .views import told_views as told_views
+from .views import stent_stretch as stent_stretch
 from .views import views_document as views_document
 from .views import write_angiogram as write_angiogram
 from .views import write_views as write_views

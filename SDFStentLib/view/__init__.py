@@ -2,6 +2,7 @@
 
 from .angiogram import ATTENUATION as ATTENUATION
 from .angiogram import Angiogram as Angiogram
+from .angiogram import Gray as Gray
 from .angiogram import angiogram as angiogram
 from .angiogram import beam_on as beam_on
 from .arm import ArmLimits as ArmLimits

@@ -12,12 +12,12 @@ from ...geometry import Surface
 from ...plan import InputFiles
 from ...report import (
     Look,
+    Sight,
     Stretch,
     ToldViews,
     document_json,
     file_facts,
     lesion_stretch,
-    told_views,
     views_document,
     write_views,
 )
@@ -57,7 +57,7 @@ def views_command(options: argparse.Namespace, console: Console) -> int:
     after = None if options.after is None else treated_of(options, inputs).surface.surface
     walls = [inputs.surface.surface, *([] if after is None else [after])]
     stretch = _stretch(options, way, inputs, after)
-    told = told_views(stretch, inputs.vessel, inputs.frame, wishes, asked)
+    told = Sight(stretch, inputs.vessel, inputs.frame).told(wishes, asked)
     console.warn_shortly(inputs.warnings, LINES, options.units)
     outputs.write()
     for sentence in told.sentences:

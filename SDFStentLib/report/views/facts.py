@@ -10,20 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...geometry import Line
-from ...treatment import Vessel
+from ...treatment import PlacedStent, TreatedLesion
 from ...units import Frame
 from ...validation import Floats, InputError
 from ...vessel import Lesion
 from ...view import (
     ArmLimits,
-    ArmView,
-    LesionSections,
     SeenStenosis,
     SeenView,
-    Shown,
-    ViewWishes,
     WorkingViews,
-    working_views,
 )
 from ..facts import LINES, Fact, Facts
 from ..words import RESEARCH_USE, UNKNOWN, degree_word, millimeters, number_text
@@ -76,6 +71,16 @@ def lesion_stretch(number: int, lesion: Lesion, after: Lesion | None = None) -> 
     return Stretch(title, lesion.line, radii, lesion.length, lesion, after)
 
 
+def stent_stretch(stent: PlacedStent, lesions: Sequence[TreatedLesion] | None) -> Stretch:
+    """A stent, with the first of the lesions that it covers."""
+    line, half = stent.axis.line, stent.stent.diameter / 2
+    title, radii = f"Stent {stent.number}", np.full(len(line), half)
+    for treated in lesions or ():
+        if stent.number in treated.stents:
+            return Stretch(title, line, radii, line.length, treated.before, treated.after)
+    return Stretch(title, line, radii, line.length)
+
+
 def known_frame(frame: Frame | None) -> Frame:
     """The frame itself; `InputError` where none is known."""
     if frame is None:
@@ -89,50 +94,14 @@ def known_frame(frame: Frame | None) -> Frame:
     return frame
 
 
-def told_views(
-    stretch: Stretch,
-    vessel: Vessel,
-    frame: Frame | None,
-    wishes: ViewWishes,
-    typed: Sequence[ArmView] = (),
-) -> ToldViews:
-    """The best views of a stretch, the worst, that of the wishes, and any others.
-
-    Raises
-    ------
-    InputError
-        No frame is known, no centerline or none with radii, or an arm that reaches no view.
-    """
-    frame = known_frame(frame)
-    if vessel.centerline is None:
-        raise InputError(
-            "expected a centerline, which tells what may lie in the way, got none; give one."
-        )
-    sections = _sections(stretch, vessel)
-    shown = Shown(vessel.centerline, stretch.line, stretch.radii, frame)
-    found = working_views(shown, wishes.limits, wishes.apart)
-    asked = tuple(shown.seen_from(view) for view in (wishes.view, *typed) if view)
-    roles = ((BEST, found.best), (SECOND, found.second), (WORST, found.worst))
-    told = [(role, seen) for role, seen in roles if seen is not None]
-    facts = []
-    for role, seen in [*told, *((TYPED, one) for one in asked)]:
-        over = [vessel.branch_names[number] for number in seen.over_it]
-        toward = seen.view.axes(frame)[2]
-        stenoses = [
-            _Stenosis(name, one.seen(toward), one.after.percent_diameter)
-            for name, one in sections.items()
-        ]
-        facts.append(Facts(_view_facts(role, seen, stretch.length, over, stenoses)))
-    return ToldViews(stretch, frame, wishes.limits, found, asked, tuple(facts))
-
-
-def _view_facts(
+def view_facts(
     role: str,
     seen: SeenView,
     length: float,
     over: Sequence[str],
-    stenoses: Sequence[_Stenosis],
+    stenoses: Sequence[Stenosis],
 ) -> Iterator[Fact]:
+    """What is told of a view of a stretch of that length, mm, under branches of these names."""
     projected = length * (1 - seen.foreshortening)
     yield Fact("role", "View", after=role.lower(), words=role.removesuffix(" view"))
     yield Fact("words", "Angles", after=seen.view.words, words=seen.view.words)
@@ -163,7 +132,7 @@ def _covered_words(seen: SeenView, names: Sequence[str]) -> str:
     return f"{told}, {ostia} % of the ostia beside it covered" if ostia else told
 
 
-class _Stenosis(NamedTuple):
+class Stenosis(NamedTuple):
     """How narrow a lesion is in the picture, and in truth."""
 
     state: str
@@ -173,6 +142,7 @@ class _Stenosis(NamedTuple):
     """Percent by the inscribed diameter."""
 
     def facts(self) -> Iterator[Fact]:
+        """Of both."""
         percent, key = self.seen.percent, f"stenosis.{self.state}"
         words = f"{degree_word(percent)} ({degree_word(self.in_3d)} in 3D)"
         label = f"Stenosis {self.state}"
@@ -187,17 +157,6 @@ class _Stenosis(NamedTuple):
             return f"stenosis in the picture{treated} {UNKNOWN}"
         in_3d = degree_word(self.in_3d)
         return f"stenosis{treated} {degree_word(self.seen.percent)} in the picture ({in_3d} in 3D)"
-
-
-def _sections(stretch: Stretch, vessel: Vessel) -> dict[str, LesionSections]:
-    """Of a lesion before, and after where it was treated."""
-    lesion, states = stretch.lesion, (("before", stretch.lesion), ("after", stretch.after))
-    tree = vessel.centerline
-    if lesion is None or tree is None:
-        return {}
-    return {
-        name: LesionSections(lesion, state, tree) for name, state in states if state is not None
-    }
 
 
 def limits_document(limits: ArmLimits) -> dict[str, Any]:

@@ -12,11 +12,12 @@ import numpy as np
 from ...files import check_suffix, write_bytes
 from ...geometry import Surface
 from ...validation import Floats, Points
-from ...view import SOURCE, Angiogram, SeenView, angiogram, beam_on
+from ...view import SOURCE, Angiogram, SeenView
 from ..picture.drawing import GRAY, INK, Drawing, Mark, Photo, Stroke, Words, shifted, svg
 from ..picture.painting import painted
 from ..words import RESEARCH_USE
 from .facts import ToldViews
+from .film import scale_length, shot
 from .map import map_height, map_marks
 
 SIDE, GAP, TOP = 440, 24, 84
@@ -137,7 +138,8 @@ def _photos(
 ) -> list[Mark]:
     """Angiograms of all walls from one view, each at its place."""
     marks: list[Mark] = []
-    shots = [_shot(told, wall, seen, look) for wall in walls]
+    stretch, frame, how = told.stretch, told.frame, (look.source, look.reach)
+    shots = [shot(stretch, wall, seen.view, frame, *how) for wall in walls]
     # One scale of gray for before and after.
     darkest = max(float(np.nanmax(one.lengths)) for one in shots) or 1.0
     for number, (one, place) in enumerate(zip(shots, places, strict=True)):
@@ -157,15 +159,6 @@ def _note(look: Look) -> str:
         f"Simulated from the lumen alone: no table, ribs or motion; {rays}; scale at the "
         f"isocenter. {RESEARCH_USE}"
     )
-
-
-def _shot(told: ToldViews, wall: Surface, seen: SeenView, look: Look) -> Angiogram:
-    stretch = told.stretch
-    radius = float(np.nanmax(stretch.radii))
-    beam = beam_on(
-        stretch.line, radius, seen.view, told.frame, source=look.source, reach=look.reach
-    )
-    return angiogram(wall, seen.view, beam)
 
 
 def _headings(seen: SeenView, left: float) -> Iterator[Mark]:
@@ -218,9 +211,7 @@ def _within(
 def _scale(made: Angiogram, place: tuple[float, float]) -> Iterator[Mark]:
     """How long so many millimeters are at the isocenter."""
     per_mm = SIDE / made.beam.size[0] / made.beam.pixel
-    nice = max(
-        step for step in (1, 2, 5, 10, 20, 50, 100) if step == 1 or step * per_mm <= SIDE / 4
-    )
+    nice = scale_length(per_mm, SIDE)
     right, y = place[0] + SIDE - 14, place[1] + SIDE - 14
     left = right - nice * per_mm
     yield Stroke([(left, y), (right, y)], INK, 2.5)

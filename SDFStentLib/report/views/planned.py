@@ -8,20 +8,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ...files import check_suffix, write_bytes
 from ...geometry import Surface
 from ...plan import PlanResult
-from ...treatment import TreatedStent
 from ...validation import Floats, InputError, check_is_a
 from ...view import ViewWishes
 from ..facts import Facts
 from ..picture.drawing import Drawing, svg
 from ..picture.painting import painted
 from ..picture.shapes import strut_curves
-from .facts import Stretch, ToldViews, limits_document, told_views
+from .facts import ToldViews, limits_document, stent_stretch
 from .picture import below_each_other, seen_drawing, views_drawing
+from .sight import Sight
 
 
 class SeenStent(NamedTuple):
@@ -108,26 +106,16 @@ def write_angiogram(
 
 
 def _seen(result: PlanResult, wishes: ViewWishes, hides_device: bool) -> tuple[SeenStent, ...]:
-    """Each stent; errors as of `told_views`."""
+    """Each stent; errors as of `Sight.told`."""
     stents, frame = result.told.final_stents, result.inputs.frame
     struts = () if hides_device else strut_curves(stents)
     walls = result.inputs.surface.surface, result.treatment.surface
     return tuple(
         SeenStent(
             one.number,
-            told_views(_stretch(result, one), result.vessel, frame, wishes),
+            Sight(stent_stretch(one, result.lesions), result.vessel, frame).told(wishes),
             walls,
             struts,
         )
         for one in stents
     )
-
-
-def _stretch(result: PlanResult, stent: TreatedStent) -> Stretch:
-    """A stent, with the first of the lesions that it covers."""
-    line, half = stent.axis.line, stent.stent.diameter / 2
-    title, radii = f"Stent {stent.number}", np.full(len(line), half)
-    for treated in result.lesions or ():
-        if stent.number in treated.stents:
-            return Stretch(title, line, radii, line.length, treated.before, treated.after)
-    return Stretch(title, line, radii, line.length)
