@@ -28,7 +28,8 @@ class DeploySession:
     A change that arrives while a deployment runs is remembered: a preview is finished first, so that something is seen while
     the user drags; the full method is dropped. After the end the inputs are compared with those of the run, so the final state is
     never lost. While the user drags the library's preview runs; once nothing has changed for a frame, the full method with
-    measurements and certificate begins, unseen; once nothing has changed for a moment, it takes the preview's place.
+    measurements and certificate begins, unseen; once nothing has changed for a moment, it takes the preview's place. Where a hand
+    lets go the full method begins at once, and what it has grown is seen as a preview.
     """
 
     def __init__(
@@ -40,7 +41,7 @@ class DeploySession:
         self._beforeAny, self._beforeFull = beforeAny, beforeFull
         self._parameterNode = self._signature = None
         self._run = SteppedRun(onProgress, self._finished)
-        self._live = self._isQuiet = False
+        self._live = self._isQuiet = self._isAtOnce = False
         self._timer = Clock.timer(self._updateInOneFrame, COALESCE_MS)
         self._frame, self._drawing = Showing.HeldFrame(), Showing.QuickDrawing()
         self._restTimer, self._restsFrom = Clock.timer(self._rested, REST_MS), 0.0
@@ -88,6 +89,19 @@ class DeploySession:
             self._timer.start()
         if not (self.isRunning and self._live):  # else it may be what that shows, to be seen now
             self._frame.hold()
+
+    def letGo(self):
+        """Deploy in full at once what a hand has let go of, without the previews that would have come before."""
+        self._beforeAny()
+        standing = self._parameterNode and self._standing()
+        if not standing or not self._parameterNode.autoUpdate or not self._isNew(standing):
+            return
+        if Portions.countLeft() > MOST_LEFT or self._beforeFull():
+            return
+        self._stop()
+        self._settleTimer.start()
+        self._begin(False, standing)
+        self._isAtOnce = True
 
     def followFlow(self):
         """Tell the results for another flow, where that was set; after what is under way."""
@@ -169,7 +183,7 @@ class DeploySession:
         self._restTimer.stop()
         mayGoOn = self._settleTimer.isActive
         wasQuiet, self._isQuiet = self._isQuiet, live or mayGoOn()
-        self._signature, self._live = standing.signature, live
+        self._signature, self._live, self._isAtOnce = standing.signature, live, False
         self._drawing.begin()
         self._run.start(
             self._logic.steps(self._parameterNode, live=live, standing=standing, mayGoOn=mayGoOn),
@@ -182,6 +196,8 @@ class DeploySession:
 
     def _finished(self, error):
         standing = self._parameterNode and self._standing()
+        if error is not None and self._isAtOnce:
+            self._signature = None  # a preview shows what there is instead
         if standing and self._parameterNode.autoUpdate:
             if self._isNew(standing):
                 self._timer.start()

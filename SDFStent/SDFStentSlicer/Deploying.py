@@ -13,14 +13,15 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
     """Deploy the plan in a `Vessel` and show every step; an iterator as `SDFStentLogic.steps`.
 
     A preview of the same plan is not taken back, though: what it shows stays until the end takes its place. While `mayGoOn()`,
-    what can be measured before the end is shown comes first.
+    what can be measured before the end is shown comes first; and where there is no such preview, only what has grown is shown, as one.
     `shown` is the `Shown` of the parameter set, `inputs` the `Inputs` that the vessel is from.
     """
     parameterNode, isPreviewed = shown.parameterNode, shown.isPreviewOf(signature)
     run = yield from working(_begun(parameterNode, vessel, inputs))
     surface = shown.surface(vessel)
-    if isPreviewed:
-        yield from _expand(run)
+    if isPreviewed or mayGoOn():
+        surface.hideOutline()
+        yield from _grow(shown, run, None if isPreviewed else surface)
         if mayGoOn():
             yield from working(run.survey(), fraction=lambda: 1.0)
     else:
@@ -32,8 +33,7 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
             surface.showOutline()
     # Before anything is shown: what comes of it is seen in one frame.
     lines = yield from working(run.lines(), fraction=lambda: 1.0)
-    if isPreviewed:
-        surface.show(run.points)
+    surface.show(run.points)
     surface.showOutline()
     shown.run, shown.signature = run, signature
     Results.showEnd(parameterNode, run, lines)
@@ -77,16 +77,30 @@ def flow(shown):
     Results.showFlow(shown.parameterNode, run)
 
 
-def _expand(run, surface=None):
-    """Run the steps and show them in a surface, where one is given; yields the fraction done."""
+def _grow(shown, run, surface=None):
+    """Run the steps and show in a surface, where one is given, only what has grown in the end; yields the fraction done."""
     fraction = 0.0
     for state in run.steps():
         if state is not None:
             fraction = state.fraction
-            moved = state.deployment
-            if surface is not None:
-                surface.show(state.before.points, moved.indices, moved.coordinates)
+            isLast = len(run.drawn) == len(run.places)
+            if surface is not None and isLast and state.deployment.is_grown:
+                _show(surface, state)
+                shown.run = run
+                Results.showGrown(shown.parameterNode, run)
         yield fraction
-    if surface is not None:
-        surface.show(run.points)
+
+
+def _expand(run, surface):
+    """Run the steps and show them in a surface; yields the fraction done."""
+    fraction = 0.0
+    for state in run.steps():
+        if state is not None:
+            fraction = state.fraction
+            _show(surface, state)
         yield fraction
+
+
+def _show(surface, state):
+    moved = state.deployment
+    surface.show(state.before.points, moved.indices, moved.coordinates)

@@ -35,19 +35,24 @@ SERIES = {
 POSITION = "Position (mm)"
 
 
-def showEnd(parameterNode, run, lines):
-    """After the last step: the stents and the moved centerline, by its `lines`."""
-    showStents(parameterNode, run.end()[1], isWhole=True)
-    if run.centerline is not None:
-        node = Display.outputModel(
-            parameterNode, "outputCenterline", _("Stented centerline"), Showing.LINE_COLOR
-        )
-        Display.showLines(node, run.centerline.points, lines)
+def showGrown(parameterNode, run, isWhole=False):
+    """The stents when all have grown, with what is known of the selected one before anything is measured."""
+    showStents(parameterNode, run.end()[1], isWhole)
     with slicer.util.NodeModify(parameterNode):
         parameterNode.expansion = 100.0
         clearNumbers(parameterNode, _("Not measured yet."))
         chosen = run.drawn[selectedStent(parameterNode, run)]
         parameterNode.atHand = "\n".join(measuring_lines(chosen.placed))
+
+
+def showEnd(parameterNode, run, lines):
+    """After the last step: the stents and the moved centerline, by its `lines`."""
+    showGrown(parameterNode, run, isWhole=True)
+    if run.centerline is not None:
+        node = Display.outputModel(
+            parameterNode, "outputCenterline", _("Stented centerline"), Showing.LINE_COLOR
+        )
+        Display.showLines(node, run.centerline.points, lines)
 
 
 def clearNumbers(parameterNode, text=""):

@@ -145,6 +145,7 @@ class StentButtons:
     def onHandleReleased(self, handle):
         if self._parameterNode is not None:
             self._attempt(lambda: self.logic.snapHandle(self._parameterNode, handle))
+            self.session.letGo()
 
     def _onSelectStent(self, row):
         self.stents.select(row)

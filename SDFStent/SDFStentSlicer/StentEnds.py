@@ -27,11 +27,12 @@ AT_HANDLE = {Placement.PROXIMAL_END: 0, Placement.DISTAL_END: 1}
 class StentEnds(VTKObservationMixin):
     """Shows where the stent of the shown parameter node lies, and lets the user drag its ends."""
 
-    def __init__(self, logic, isAwaited=lambda: False):
-        """`isAwaited()` tells whether the deployed stent is shown in a moment: then what rests is shown with it, in one frame."""
+    def __init__(self, logic, isAwaited=lambda: False, letGo=lambda: None):
+        """`isAwaited()` tells whether the deployed stent is shown in a moment: then what rests is shown with it, in one frame.
+        `letGo()` is called when the mouse lets an end go."""
         VTKObservationMixin.__init__(self)
         self._logic, self._node, self._isFollowing = logic, None, False
-        self._isAwaited, self._tube = isAwaited, None
+        self._isAwaited, self._letGo, self._tube = isAwaited, letGo, None
         self._parameterNode = self._standing = None
         self._timer = Clock.timer(self._onRested, SETTLE_MS)
 
@@ -157,3 +158,4 @@ class StentEnds(VTKObservationMixin):
     def _onReleased(self, caller=None, event=None):
         if self._parameterNode is not None:
             self._update(isReleased=True)
+            self._letGo()

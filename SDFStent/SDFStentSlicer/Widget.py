@@ -107,7 +107,8 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
                 SegmentSection,
             )
         ]
-        self.views, self.ends = RoomyViews(self.ui), StentEnds(self.logic, self._isDeploying)
+        self.views = RoomyViews(self.ui)
+        self.ends = StentEnds(self.logic, self._isDeploying, self.session.letGo)
         self.window = LowWindow()
         self.recoil = RestedRun(
             lambda: self.logic.recoilByRule(self._parameterNode), self._onPrepared, RECOIL_MS

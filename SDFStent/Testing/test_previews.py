@@ -1,5 +1,6 @@
 """What is seen while something is dragged."""
 
+import itertools
 import re
 
 import numpy as np
@@ -121,6 +122,67 @@ def test_the_full_method_begins_unseen_before_a_hand_is_taken_to_have_stopped(
     assert told == [True]  # from the full method to the first preview: nothing flickers in between
     assert "prescribed 9.5 mm" in ui.lumenLabel.text
     assert not session.isPreview
+
+
+def letGoAt(handle, place):
+    """The mouse moves a handle and lets it go before anything could be shown."""
+    handle.SetNthControlPointPositionWorld(0, *place)
+    handle.InvokeEvent(handle.PointEndInteractionEvent)
+
+
+def test_what_a_hand_lets_go_of_is_deployed_in_full_at_once(host, aStent, monkeypatch):
+    """And seen as soon as a preview would be."""
+    parameters, begun, drawn = aStent._parameterNode, [], []
+    handle, steps = parameters.stent.handle, aStent.logic.steps
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+
+    def noted(*arguments, live, **more):
+        begun.append("preview" if live else "full")
+        for step in steps(*arguments, live=live, **more):
+            tube = parameters.outputStents.GetPolyData()
+            drawn.append((shown(parameters), tube.GetBounds(), parameters.certificateSummary))
+            yield step
+
+    monkeypatch.setattr(aStent.logic, "steps", noted)
+    tree = aStent.logic.centerlineOf(parameters)
+    chain = tree.ancestry(tree.project(theThroat()).index)
+    letGoAt(handle, tree.points[chain][tree.arc_length[chain] < tree.arc_length[chain[-1]] - 4][-1])
+    settle(host, aStent)
+    assert begun == ["full"]
+    assert "prescribed 8.5 mm" in aStent.ui.lumenLabel.text
+    # Three pictures: as it was, grown, and finished; never the vessel without its stent.
+    native = pointsOf(parameters.vessel)
+    states = [one for one, _tube, _told in drawn]
+    changes = [
+        (first, second)
+        for first, second in itertools.pairwise(states)
+        if not np.array_equal(first, second)
+    ]
+    assert len(changes) == 2
+    assert min(np.abs(one - native).max() for pair in changes for one in pair) > 0.5
+    (former, grown), (_grown, finished) = changes
+    away = [np.linalg.norm(finished - one) for one in (former, grown)]
+    assert away[1] < 0.3 * min(away[0], np.linalg.norm(finished - native))
+    first = next(n for n, one in enumerate(states) if np.array_equal(one, grown))
+    assert drawn[first][1] == drawn[-1][1] != drawn[0][1]  # the stent as well
+
+
+def test_a_place_that_is_refused_is_shown_as_it_was_when_a_hand_lets_go(host, aStent):
+    parameters = aStent._parameterNode
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    letGoAt(parameters.stent.handle, theThroat() + np.array([0, 3.8, 0]))
+    settle(host, aStent)
+    assert "in the lumen" in aStent.ui.statusLabel.text
+    np.testing.assert_array_equal(shown(parameters), pointsOf(parameters.vessel))
+    assert aStent._state.atHand.text == ""
+
+
+def test_nothing_is_deployed_when_a_hand_lets_go_without_live(host, aStent):
+    letGoAt(aStent._parameterNode.stent.handle, theThroat() + np.array([0.2, 0, 0]))
+    settle(host, aStent)
+    assert aStent._parameterNode.outputVessel is None
 
 
 @pytest.mark.parametrize("spoil", ["outside", "too wide"])

@@ -29,7 +29,7 @@ from .patch import Patch
 from .profiles import StepRule
 from .stent_checks import CAPS_WITHIN, motion_check
 from .untangle import Relief, Tangle, taken_apart
-from .values import DeploymentState, DeploymentTask, away_from_wall
+from .values import NEARLY_DONE, DeploymentState, DeploymentTask, away_from_wall
 from .wall_around import own_share
 
 WALL_CLEARANCE = 0.9
@@ -163,7 +163,7 @@ class Attempt(Growth):
         indices, coordinates = task.surface.followed(self.numbers[wall], self.positions[wall])
         return DeploymentState(
             radius=task.radius - max(target - level, 0.0),
-            fraction=min(level / target, 1.0) * (1 - 1e-9),
+            fraction=min(level / target, 1.0) * NEARLY_DONE,
             indices=indices,
             coordinates=coordinates,
             companions=companions,

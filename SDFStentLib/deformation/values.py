@@ -26,6 +26,9 @@ from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .stent_checks import Expected, lumen_check
 from .untangle import Relief
 
+NEARLY_DONE = 1 - 1e-9
+"""Largest fraction of a state that is not finished."""
+
 
 class DeploymentState(NamedTuple):
     """The vessel at one radius of the stent."""
@@ -40,6 +43,11 @@ class DeploymentState(NamedTuple):
     """(k, 3) their places now, mm."""
     companions: Points
     """(c, 3) all companion points (the centerline), mm."""
+
+    @property
+    def is_grown(self) -> bool:
+        """Whether the stent is as wide as it becomes, and the wall is still to be finished."""
+        return NEARLY_DONE <= self.fraction < 1
 
     def applied_to(self, points: ArrayLike) -> Points:
         """A copy of the undeformed points with this state's coordinates in their place."""
