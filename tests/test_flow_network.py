@@ -44,7 +44,7 @@ from SDFStentLib.flow.profiles import (
     profile_of,
     swept_of,
 )
-from SDFStentLib.flow.spans import Piece, drop_over
+from SDFStentLib.flow.spans import BlockPart, drop_over
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
 from SDFStentLib.validation import DeploymentError, InputError
@@ -221,7 +221,7 @@ def test_a_narrowing_and_flow_that_divides_are_uncertain_on_their_own():
         assert whole.stenosis == pytest.approx(1.5 * usual.stenosis)
         assert same.stenosis == pytest.approx(usual.stenosis)
         # What a branch takes over is not lost by the branch, however much that is.
-        drops = [drop_over([Piece(0, 0, 600)], each, flow).recovered for each in (usual, whole)]
+        drops = [drop_over([BlockPart(0, 0, 600)], each, flow).recovered for each in (usual, whole)]
         rubbed = float(usual.resistance[0] * flow[0])
         grows = 1.5 if own == "loss" else 1.0
         assert drops[1] - rubbed == pytest.approx(grows * (drops[0] - rubbed), abs=0.02 * MMHG)
@@ -303,7 +303,7 @@ def test_a_narrowing_costs_the_same_wherever_stations_lie(depth, half, flow):
     def cost(x):
         tube = block(x, throat(x, depth, 60.0, half), flow=flow)
         ends = np.searchsorted(x, [60.0 - half - 3, 60.0 + half + 3]).tolist()
-        return drop_over([Piece(0, *ends)], tube, np.array([1e-6 * flow])).recovered
+        return drop_over([BlockPart(0, *ends)], tube, np.array([1e-6 * flow])).recovered
 
     close = cost(np.linspace(0, 220, 4401))
     apart, near = 2.4 * (1 - depth), 0.6 * (1 - depth) * np.arange(-2, 3)
@@ -322,7 +322,7 @@ def test_no_part_of_a_vessel_gives_back_what_is_lost(seed):
     vessel = block(x, size, flow=20.0)
     drops = []
     for start, end in np.sort(rng.uniform(0, 480, (100, 2)), axis=1).tolist():
-        drops.append(drop_over([Piece(0, start, end)], vessel, np.array([20e-6])))
+        drops.append(drop_over([BlockPart(0, start, end)], vessel, np.array([20e-6])))
         assert drops[-1].recovered >= 0
     assert max(one.recovered for one in drops) > MMHG
 

@@ -6,12 +6,12 @@ from seeds import seeds
 
 from benchmarks.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.flow import (
+    BlockPart,
     FlowModel,
     Known,
     Network,
     Outlets,
     Part,
-    Piece,
     Wave,
     channels_of,
     drop_over,
@@ -429,7 +429,7 @@ def test_what_runs_back_costs_as_much_with_the_other_sign(seed):
     start, end = np.sort(rng.uniform(0, 400, 2)).tolist()
     for flow in rng.uniform(0, 2e-4, 5):
         there, back = (
-            drop_over([Piece(0, start, end)], network, np.array([q])) for q in (flow, -flow)
+            drop_over([BlockPart(0, start, end)], network, np.array([q])) for q in (flow, -flow)
         )
         assert back == pytest.approx([-x for x in there], rel=1e-9, abs=1e-9)
         assert there.maximal >= there.recovered >= 0

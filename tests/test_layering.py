@@ -403,6 +403,14 @@ def test_all_texts_have_the_spelling_of_the_united_states():
     assert not {name: words for name, words in found.items() if words}
 
 
+def test_every_class_that_is_shipped_has_a_name_of_its_own():
+    shipped = [path for path in {*FILES, *WITH_PANEL, *OUTSIDERS} if "benchmarks" not in path.parts]
+    names = Counter(
+        node.name for path in shipped for node in nodes_of(path) if isinstance(node, ast.ClassDef)
+    )
+    assert [name for name, count in names.items() if count > 1] == []
+
+
 # Warnings are values; their sentences are made once, at the end, and read by nobody but people.
 
 

@@ -12,7 +12,7 @@ from trees import unbranched, with_radius
 
 from benchmarks.phantoms.axis import planar_axis
 from benchmarks.phantoms.mesh import swept_tube
-from SDFStentLib.centerline import USUAL, Centerline, Stretch
+from SDFStentLib.centerline import USUAL, Centerline, LumenStretch
 from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Line, Surface
@@ -590,7 +590,7 @@ def test_a_vessel_begins_at_its_throat_though_that_lies_in_the_sphere_of_its_par
 ):
     count = len(diameter)
     zeros = np.zeros(count, dtype=np.int64)
-    one = Stretch(np.zeros((count, 3)), np.arange(count), np.array(diameter), zeros, zeros, 0)
+    one = LumenStretch(np.zeros((count, 3)), np.arange(count), np.array(diameter), zeros, zeros, 0)
     assert _ostium(one, np.array(is_own, dtype=bool)) == first
 
 

@@ -25,7 +25,7 @@ from SDFStentLib.flow import (
 from SDFStentLib.flow.blocks import Method, Stream, blocks_of
 from SDFStentLib.flow.channels import Channel, Widths
 from SDFStentLib.flow.sharp_bends import NONE, sharp_bends
-from SDFStentLib.flow.spans import Piece, drop_over
+from SDFStentLib.flow.spans import BlockPart, drop_over
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.stent import Stent
 from SDFStentLib.treatment import Treatment, placement_at
@@ -91,9 +91,9 @@ def test_what_a_sharp_bend_may_lose_is_what_idelchik_has(degrees, radius):
     # It is lost behind the bend, and backward with the other sign.
     last = len(made[0].along) - 1
     start = int(np.searchsorted(made[0].along, 4 * diameter))
-    drops = [drop_over([Piece(0, start, last)], one, np.array([flow])) for one in (usual, most)]
+    drops = [drop_over([BlockPart(0, start, last)], one, np.array([flow])) for one in (usual, most)]
     assert drops[1].recovered - drops[0].recovered == pytest.approx(expected, rel=0.05)
-    back = drop_over([Piece(0, start, last)], most, np.array([-flow]))
+    back = drop_over([BlockPart(0, start, last)], most, np.array([-flow]))
     assert back.recovered == pytest.approx(-drops[1].recovered, rel=1e-12)
 
 

@@ -35,10 +35,10 @@ CHOICES[f"{SELECTED}keeps"] = [
 ]
 CHOICES["map"] = [(one, one.label()) for one in SurfaceMap]
 CHOICES[f"{SELECTED}shape.cap_height"] = [(1.0, _("Round")), (FLAT, _("Flat"))]
-"""By path the values that can be chosen, and their texts."""
+"""The values by path that can be chosen, and their texts."""
 
 OTHERS = {f"{SELECTED}shape.cap_height": _("{value:g} of the radius high")}
-"""By path the text of any other value, as a plan may have it."""
+"""The text by path of any other value, as a plan may have it."""
 
 
 class Binder:

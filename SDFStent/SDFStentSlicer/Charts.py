@@ -9,7 +9,7 @@ from vtkmodules.vtkCommonCore import vtkStringArray
 from . import Display, Marks, Showing
 
 TABLE_DECIMALS = 2
-"""Of mm."""
+"""Decimals of mm in a table."""
 
 TITLE_SIZE = 14
 """Points; less than Slicer's, for a sentence."""

@@ -14,7 +14,7 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
 
     A preview of the same plan is not taken back, though: what it shows stays until the end takes its place. While `mayGoOn()`,
     what can be measured before the end is shown comes first; and where there is no such preview, only what has grown is shown, as one.
-    `shown` is the `Shown` of the parameter set, `inputs` the `Inputs` that the vessel is from.
+    `shown` is the `ShownResult` of the parameter set, `inputs` the `Inputs` that the vessel is from.
     """
     parameterNode, isPreviewed = shown.parameterNode, shown.isPreviewOf(signature)
     run = yield from working(_begun(parameterNode, vessel, inputs))

@@ -60,7 +60,7 @@ def toldFlow(parameterNode):
 
 
 def plannedFlow(parameterNode):
-    """The same for a plan in RAS, which tells where the right branch is, for a file may not tell: as soon as that is known.
+    """The flow for a plan in RAS, which tells where the right branch is, for a file may not tell: as soon as that is known.
 
     Raises `InputError` for what contradicts itself.
     """

@@ -14,7 +14,7 @@ AWAY_ATTRIBUTE = "SDFStent.GivesWay"
 POINTS, CURVE = "vtkMRMLMarkupsFiducialNode", "vtkMRMLMarkupsCurveNode"
 COLOR = (0.1, 0.55, 0.95)
 USUAL_LENGTH = 20.0
-"""Of a new stent, mm."""
+"""The length of a new stent, mm."""
 PALE = 0.3
 """Opacity of the handle of a stent that is switched off."""
 ON_ANOTHER = 1.0

@@ -214,7 +214,7 @@ def _endOfSlider(size):
 
 
 def _sizeRemark(surface, name):
-    """That a vessel is much smaller or larger than vessels are in mm, as a sentence; "" where it is not."""
+    """The remark that a vessel is much smaller or larger than vessels are in mm, as a sentence; "" where it is not."""
     for caution in size_warnings(surface, name):
         numbers = caution.numbers
         lumen = numbers.get("lumen_mm")

@@ -10,13 +10,13 @@ from .Marks import createMark, removeMark
 from .SignPlaces import TEXT, WatchedView, besides, firstCorner
 
 COLOR, SELECTED_COLOR = (0.65, 0.38, 0.02), (1.0, 0.36, 0.0)
-"""Of the numbers: they can be read on light and dark views, and on the wall."""
+"""Colors of the numbers: they can be read on light and dark views, and on the wall."""
 SPACING, THICKNESS = 1.5, 1.2
-"""Of the points of a line, mm, and its diameter, mm."""
+"""The distance of the points of a line, mm, and its diameter, mm."""
 GLYPH, NO_GLYPH = 1.5, 0.01
-"""Of a point; of the point of a number, which marks nothing; percent of a view."""
+"""Sizes of a point; of the point of a number, which marks nothing; percent of a view."""
 GROUND = (1.0, 0.97, 0.92)
-"""Of a number."""
+"""The background of a number."""
 
 
 class LesionMarks:
@@ -78,7 +78,7 @@ class LesionMarks:
 
     @property
     def chart(self):
-        """That plot, None without."""
+        """The plot of the lesions, None without."""
         return self._chart[-1] if self._chart else None
 
     def plot(self, index, around):

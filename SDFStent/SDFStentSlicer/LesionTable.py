@@ -13,7 +13,7 @@ LEAST, ROW = 72, 24
 """Pixels of the table with two rows, as in the `.ui` file, and of a row."""
 
 LOOK_MS = 200
-"""So often it is looked whether the mouse has left the table."""
+"""Milliseconds after which it is looked whether the mouse has left the table."""
 
 SETTLE_MS = 250
 """The vessel has to rest so long, so that nothing is searched while it is being edited."""

@@ -32,7 +32,7 @@ class Around(NamedTuple):
 
 
 DIAMETERS, SPACING = 2.0, 0.5
-"""Of healthy vessel that is shown on both sides of a lesion, in its diameters; between places there, mm."""
+"""The length of healthy vessel that is shown on both sides of a lesion, in its diameters; between places there, mm."""
 
 
 def around(vessel, lesion):

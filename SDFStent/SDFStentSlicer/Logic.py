@@ -38,7 +38,7 @@ from .Portions import working
 from .Previewing import Previewing
 from .Snapping import Snapping
 from .Suggesting import Suggesting
-from .SurfaceOutput import Shown
+from .SurfaceOutput import ShownResult
 
 
 class SDFStentLogic(
@@ -206,11 +206,11 @@ class SDFStentLogic(
     # What is shown
 
     def _shownOf(self, parameterNode):
-        """The `Shown` of a parameter node, always the same one."""
+        """The `ShownResult` of a parameter node, always the same one."""
         node = parameterNode.parameterNode
         shown = self._shown.get(node.GetID())
         if shown is None or shown.parameterNode.parameterNode is not node:
-            shown = self._shown[node.GetID()] = Shown(parameterNode)
+            shown = self._shown[node.GetID()] = ShownResult(parameterNode)
         return shown
 
     def forgetRun(self, parameterNode):

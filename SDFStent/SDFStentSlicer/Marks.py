@@ -60,7 +60,7 @@ def showTube(node, axis, radius):
 
 
 def newNode(className, name):
-    """One that is not in the scene yet."""
+    """A markups node that is not in the scene yet."""
     node = slicer.mrmlScene.CreateNodeByClass(className)
     node.UnRegister(None)
     node.SetName(name)
@@ -70,7 +70,7 @@ def newNode(className, name):
 
 
 def _newDisplay(node):
-    """The display node of one that is."""
+    """The display node of a markups node that is not in the scene yet."""
     node.CreateDefaultDisplayNodes()
     display = node.GetDisplayNode()
     display.SetSaveWithScene(False)

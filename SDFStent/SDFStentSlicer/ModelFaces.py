@@ -14,7 +14,7 @@ WITHOUT_FACES = (".stl", ".ply")
 """Formats that can tell faces, which Slicer's readers do not take."""
 
 NAMES = ".mdl"
-"""Of the SimVascular model beside a surface."""
+"""The names of the faces of the SimVascular model beside a surface."""
 
 
 def addFaces(node, polyData):

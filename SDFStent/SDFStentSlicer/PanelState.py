@@ -81,16 +81,16 @@ def _flowWords(parameterNode):
 
 
 SAID_MS = 10_000
-"""So long the application's status bar shows what the panel says below *Deploy*."""
+"""The milliseconds for which the application's status bar shows what the panel says below *Deploy*."""
 
 PENDING, GOOD, BAD = "pending", "good", "bad"
 KINDS = {
     **dict.fromkeys((CERTIFIED, CERTIFIED_IN_PIECES, CERTIFIED_OPEN), GOOD),
     **dict.fromkeys((NOT_READY, NOT_CERTIFIED), BAD),
 }
-"""By the last line of what stands beside a stent, without a warning."""
+"""Kinds by the last line of what stands beside a stent, without a warning."""
 COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72, 0.45)}
-"""On `BACKGROUND`, which lets them be read on any view. What a color says stands in one of the lines, too."""
+"""Colors on `BACKGROUND`, which lets them be read on any view. What a color says stands in one of the lines, too."""
 BACKGROUND = (0.08, 0.10, 0.13)
 """Nothing is seen through it: letters of the view's axes would be read as some of the lines."""
 LARGEST_FONT = 18
@@ -151,7 +151,7 @@ METHOD_SLIDERS = {
     for field, (name, one) in METHOD_PARAMETERS.items()
     if one.unit and not one.is_optional
 }
-"""Of the lengths of the method, by widget."""
+"""Sliders of the lengths of the method, by widget."""
 
 
 class PanelState:

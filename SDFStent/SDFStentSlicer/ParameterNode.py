@@ -128,7 +128,7 @@ class SDFStentParameterNode:
     outputStents: Optional[vtkMRMLModelNode]
     outputTable: Optional[vtkMRMLTableNode]
     outputTexts: Optional[vtkMRMLTableNode]
-    """The same to be read: a table view has "nan" for a number that is not known."""
+    """The table to be read: a table view has "nan" for a number that is not known."""
     outputChart: Optional[vtkMRMLPlotChartNode]
 
     status: str = ""
@@ -236,7 +236,7 @@ for _name, _field in FLOW.items():
     setattr(SDFStentParameterNode, _name, _named(_name, _field))
 
 _documents = weakref.WeakKeyDictionary()
-"""By parameter node: the text of its document, and what that says."""
+"""By parameter node, the text of its document, and what that says."""
 
 
 def documentOf(parameterNode):

@@ -105,12 +105,12 @@ METHOD_PARAMETERS = {
     for name, one in method_parameters().items()
     if one.option and (one.names or one.unit)
 }
-"""By field of `MethodParameters`: name and `Parameter` of what the panel shows of the method as the library has it."""
+"""By field of `MethodParameters`, name and `Parameter` of what the panel shows of the method as the library has it."""
 
 _WIDEST = parameter_at("stents.diameter").most
 _SHORTENING = parameter_at("stents.foreshortening_fraction")
 SIZING = sizing_parameters()
-"""By name what a suggestion goes by: the `Parameter` and its default."""
+"""What a suggestion goes by, by name: the `Parameter` and its default."""
 
 RANGES = {
     "diameter": Range(0.1, _WIDEST, "a diameter"),
@@ -166,13 +166,13 @@ REMEDIES = {
 
 
 ML_PER_S = 1000 / 60
-"""In one liter per minute."""
+"""Milliliters per second in one liter per minute."""
 
 UNITS = {
     " %": (lambda value: 100 * value, lambda value: value / 100),
     " L/min": (lambda value: value / ML_PER_S, lambda value: value * ML_PER_S),
 }
-"""By what stands behind a number in the panel: from the plan to what is shown, and back. All other numbers are as in the plan."""
+"""Units by what stands behind a number in the panel: from the plan to what is shown, and back. All other numbers are as in the plan."""
 
 
 class PlanField(NamedTuple):

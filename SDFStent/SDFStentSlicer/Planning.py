@@ -17,7 +17,7 @@ BESIDE = 2 * Handles.ON_ANOTHER
 """Between a stent and its copy, mm: points of both can be told apart."""
 
 SHORTEST = 1.0
-"""To which a stent can be drawn together, mm."""
+"""The length to which a stent can be drawn together, mm."""
 
 
 class Planning:

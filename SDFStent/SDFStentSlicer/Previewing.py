@@ -72,7 +72,7 @@ class PreviewedVessel:
     """One vessel on which plans are tried out. What is made for it once is made once, whoever waits for it. No nodes in here."""
 
     def __init__(self, vessel):
-        """Of the library's `Vessel`."""
+        """A preview of the library's `Vessel`."""
         self.vessel, self._preview, self._lock = vessel, vessel.preview, threading.Lock()
 
     def portions(self, case, places):

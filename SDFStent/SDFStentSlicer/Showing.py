@@ -10,7 +10,7 @@ ONE_COLOR = "SDFStent.OneColor"
 VESSEL_COLOR, VESSEL_OPACITY = (0.85, 0.81, 0.78), 0.35
 """Lesions, lines and handles lie inside: before stents as after."""
 LINE_COLOR, LINE_WIDTH = (0.15, 0.35, 0.75), 3
-"""Of centerlines; pixels."""
+"""The color of centerlines, and their width, pixels."""
 
 
 @contextlib.contextmanager
@@ -51,7 +51,7 @@ def threeDViews():
 
 
 def firstRenderer():
-    """That of the first 3D view; None without one."""
+    """The renderer of the first 3D view; None without one."""
     views = threeDViews()
     return views[0].renderWindow().GetRenderers().GetFirstRenderer() if views else None
 

@@ -9,7 +9,7 @@ from . import Clock, Showing
 TEXT = 4.0
 """Height of a number, percent of a view."""
 FRONT, SIDE = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
-"""To where one looks who looks at a patient, and across that."""
+"""The direction in which one looks who looks at a patient, and across that."""
 NEARLY = 0.1
 """Part of a line seen from the front below which it goes to the front itself."""
 BESIDE = (1.0, -1.0, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.0, -4.0, 5.0, -5.0)
@@ -24,7 +24,7 @@ SIGN, DIGIT = 1.2, 0.65
 REST_MS = 300
 """A view has to rest so long before signs move in it: none does while a hand turns it."""
 DPI, INSET = 72, 5
-"""Of the texts of views; pixels by which `vtkCornerAnnotation` keeps them away from the edges."""
+"""Dots per inch of the texts of views; pixels by which `vtkCornerAnnotation` keeps them away from the edges."""
 
 
 class WatchedView:

@@ -99,7 +99,7 @@ def endsNeeded(node, former):
 
 
 FINE_STEP = 0.2
-"""By which an arrow key moves a stent along the centerline while Shift is held, mm; else by one."""
+"""The length by which an arrow key moves a stent along the centerline while Shift is held, mm; else by one."""
 
 
 class StentButtons:

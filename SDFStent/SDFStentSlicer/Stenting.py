@@ -20,12 +20,12 @@ class DrawnStent(NamedTuple):
 
     @classmethod
     def whole(cls, placed):
-        """As wide as it becomes."""
+        """The stent as wide as it becomes."""
         return cls(placed, placed.stent.widest_diameter / 2)
 
     @property
     def stent(self):
-        """With all of its sizes."""
+        """The stent with all of its sizes."""
         return self.placed.stent
 
     @property
@@ -123,7 +123,7 @@ class Stenting:
 
     @property
     def lesions(self):
-        """Those of the vessel before and after, the library's `TreatedLesion`; None before they are known, and without a centerline."""
+        """Lesions of the vessel before and after, the library's `TreatedLesion`; None before they are known, and without a centerline."""
         return None if self.case is None else self.case.lesions
 
     def findFlow(self, known):

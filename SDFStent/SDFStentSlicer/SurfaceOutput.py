@@ -98,7 +98,7 @@ def outputSurface(parameterNode, vessel, former):
     return surface
 
 
-class Shown:
+class ShownResult:
     """The last deployment or preview of one parameter set as the scene shows it.
 
     `run` is the `Stenting` or the `PreviewRun` of it, None before the first; `signature` that of the plan and inputs it is of.

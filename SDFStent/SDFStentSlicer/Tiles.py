@@ -10,7 +10,7 @@ from .PanelParts import cut
 
 SURFACE, IN_A_ROW = COMPARED[-1], 3
 MIDDLE = 128
-"""Of the lightness of a color, 0 to 255."""
+"""The middle of the scale of lightness of a color, 0 to 255."""
 LONGEST = 44
 """Characters beneath a value, two lines: all words are in *Details*, and what lies below the tiles stays where it is."""
 

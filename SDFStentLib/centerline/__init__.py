@@ -17,7 +17,7 @@ from .path import Location as Location
 from .point_tree import points_between as points_between
 from .root import WIDER as WIDER
 from .root import Widths as Widths
-from .stretches import Stretch as Stretch
+from .stretches import LumenStretch as LumenStretch
 from .stretches import joined_lumens as joined_lumens
 from .tips import round_ends as round_ends
 from .widest_ways import ExtractedLines as ExtractedLines

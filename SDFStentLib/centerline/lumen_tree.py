@@ -8,7 +8,7 @@ import numpy as np
 
 from ..validation import Flags, Floats
 from .branch_lumen import UNKNOWN_RADIUS
-from .stretches import Stretch
+from .stretches import LumenStretch
 
 SAME_CALIBER = 0.8
 """Share of the widest branch's caliber from which on another branch counts as alike."""
@@ -26,7 +26,7 @@ class LumenTree:
 
     Parameters
     ----------
-    lumens : sequence of Stretch
+    lumens : sequence of LumenStretch
         Stretches, each after the one above it.
     limbs : collection of int, optional
         Branches of the centerline that end where they meet the vessel again.
@@ -43,7 +43,7 @@ class LumenTree:
         Number of ends of the vessel to which a stretch leads; 1 for a limb.
     """
 
-    def __init__(self, lumens: Sequence[Stretch], limbs: Collection[int] = ()) -> None:
+    def __init__(self, lumens: Sequence[LumenStretch], limbs: Collection[int] = ()) -> None:
         self.lumens, self._limbs = lumens, limbs
         self.children: list[list[int]] = [[] for _ in lumens]
         self.roots: list[int] = []
@@ -105,12 +105,12 @@ class LumenTree:
         return float(ways[0] @ ways[1]) / max(lengths[0] * lengths[1], 1e-300)
 
 
-def _point_after(lumen: Stretch, reach: float) -> Floats:
+def _point_after(lumen: LumenStretch, reach: float) -> Floats:
     at = int(np.searchsorted(lumen.along, lumen.along[0] + reach))
     return np.asarray(lumen.points[min(at, len(lumen.along) - 1)])
 
 
-def _is_inside(lumen: Stretch, other: Stretch) -> Flags:
+def _is_inside(lumen: LumenStretch, other: LumenStretch) -> Flags:
     """Whether each station (n,) of a branch lies in the lumen of another that meets it at its
     start."""
     node, radius = lumen.points[0], other.diameter / 2

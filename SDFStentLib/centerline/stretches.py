@@ -35,7 +35,7 @@ _AT_ONCE = 16
 """Number of stations of a line that are looked at together: most lines part within a few."""
 
 
-class Stretch(NamedTuple):
+class LumenStretch(NamedTuple):
     """Stations along a lumen from a root, or from where it parts from another, to where it divides.
 
     The first one lies in the lumen above, where there is one.
@@ -58,7 +58,7 @@ class Stretch(NamedTuple):
 class JoinedLumens(NamedTuple):
     """The stretches of a tree, and the stretch in which every station of its branches lies."""
 
-    stretches: list[Stretch]
+    stretches: list[LumenStretch]
     """The stretches, each after the one above it."""
     of_station: list[Indices]
     """For every branch (n,) indices into the stretches."""
@@ -177,13 +177,13 @@ class _Joined:
         is_same &= across <= SAME_LUMEN * self._radii[found]
         return np.where(is_same, found, -1)
 
-    def stretches(self) -> tuple[list[Stretch], Indices]:
+    def stretches(self) -> tuple[list[LumenStretch], Indices]:
         """The stretches between stations at which several lines go on, and that of every station
         (n,)."""
         below: dict[int, list[int]] = {}
         for station in np.flatnonzero(self._is_kept).tolist():
             below.setdefault(int(self._above[station]), []).append(station)
-        found: list[Stretch] = []
+        found: list[LumenStretch] = []
         of_station = np.full(len(self._stands), -1)
         waiting = [([station], -1) for station in below.get(-1, [])]
         # Ends: every station is in one stretch, but for the first of those that go on.
@@ -197,11 +197,13 @@ class _Joined:
             found.append(self._stretch(which, found, above))
         return found, of_station[self._stands]
 
-    def _stretch(self, which: Sequence[int], found: Sequence[Stretch], above: int) -> Stretch:
+    def _stretch(
+        self, which: Sequence[int], found: Sequence[LumenStretch], above: int
+    ) -> LumenStretch:
         points, along, diameter, branch, branch_along = (c[which] for c in self._columns)
         if above >= 0:
             along = along + (found[above].along[-1] - along[0])
-        return Stretch(points, along, diameter, branch, branch_along, above)
+        return LumenStretch(points, along, diameter, branch, branch_along, above)
 
     def _first_of(self, station: int) -> int:
         """The station before the first one of a stretch, on its own line."""

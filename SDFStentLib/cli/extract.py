@@ -125,7 +125,7 @@ def centerline_command(options: argparse.Namespace, console: Console) -> int:
 
 
 FRAME: Frame = "LPS"
-"""Of segmentations as they are read, and of what is made of them."""
+"""The frame of segmentations as they are read, and of what is made of them."""
 
 
 def prepare_command(options: argparse.Namespace, console: Console) -> int:

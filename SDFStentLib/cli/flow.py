@@ -131,7 +131,6 @@ def _write(
     document: dict[str, Any],
     made_page: Callable[[dict[str, Any]], str] = flow_page,
 ) -> None:
-    """Write a document as JSON or as a page."""
     if path.suffix.lower() == ".html":
         path.write_text(made_page(document), encoding="utf-8")
         return

@@ -37,7 +37,7 @@ from .outputs import Outputs
 from .place import in_mm
 
 NETWORKS = ("before.json", "after.json")
-"""In the folder of `--export-0d`."""
+"""Names of the files in the folder of `--export-0d`."""
 
 
 def add_flow(command: argparse.ArgumentParser) -> None:

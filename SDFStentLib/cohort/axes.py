@@ -28,7 +28,7 @@ DIAMETERS = ("diameter", "diameter_over_lumen", "diameter_over_reference")
 """Ways to give a width: in mm, over the lumen at the place, over the reference of the lesion."""
 
 PLACES = ("branch", "distance", "fraction", "lesion", "offset")
-"""As in the placement of a plan's stent; a lesion without an offset has 0."""
+"""Names of places, as in the placement of a plan's stent; a lesion without an offset has 0."""
 
 SHAPE_PARTS = (
     *(f"shape.waist.{name}" for name in parameters_of(Waist)),

@@ -43,10 +43,10 @@ class Where(NamedTuple):
     """Where the stent of a case is put."""
 
     plan: Plan
-    """For its frame, and how axes are changed."""
+    """The plan, for its frame, and how axes are changed."""
     inputs: InputFiles
     spot: StentMiddle | None
-    """None where the case has no place of its own."""
+    """Its place; None where the case has no place of its own."""
 
     @property
     def tree(self) -> Centerline:

@@ -259,7 +259,7 @@ class _Run:
         self.tally = self.tally.counted(write_failure(self.store, task, reason))
 
     def _not_whole(self, tasks: Iterable[Task]) -> list[Task]:
-        """Those of some tasks whose cases did not reach the store; all others are counted."""
+        """The tasks whose cases did not reach the store; all others are counted."""
         found = {case.id for case in self._left(task.case for task in tasks)}
         return [task for task in tasks if task.case.id in found]
 

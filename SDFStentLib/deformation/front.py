@@ -23,7 +23,7 @@ class Step(NamedTuple):
     radius: float
     """Radius of the stent at the beginning of the step, mm."""
     growth: float
-    """By how much the radius grows, mm."""
+    """The length by which the radius grows, mm."""
     reach: float
     """Distance beyond which a contact does not matter until the end of all steps, mm."""
 

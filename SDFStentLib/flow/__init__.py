@@ -32,9 +32,9 @@ from .outlets import Sides as Sides
 from .seen import UNCERTAIN as UNCERTAIN
 from .seen import Band as Band
 from .seen import Moment as Moment
+from .spans import BlockPart as BlockPart
 from .spans import Drop as Drop
 from .spans import Part as Part
-from .spans import Piece as Piece
 from .spans import Ways as Ways
 from .spans import drop_over as drop_over
 from .svzerod import has_svzerod as has_svzerod

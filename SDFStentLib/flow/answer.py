@@ -41,13 +41,13 @@ from .svzerod import NO_LEVEL, svzerod_document
 from .tree import tree_between
 
 HALVINGS = 6
-"""Of a range of which the known pressures allow a part."""
+"""Steps of the search in a range of which the known pressures allow a part."""
 
 ROUNDS = 20
-"""In which shares of limbs that meet again are found; five are enough, mostly."""
+"""Rounds in which shares of limbs that meet again are found; five are enough, mostly."""
 
 AGREES = 1e-6
-"""Of the flow, by which the last round may change them."""
+"""The part of the flow by which the last round may change them."""
 
 Solve = Callable[[Network, Outlets, Known], "tuple[Floats, Floats]"]
 """Inlet pressures (t,), Pa, and flows (t, n), m^3/s, through the blocks over a cycle."""
@@ -66,12 +66,12 @@ class FlowAnswer(NamedTuple):
     networks: tuple[Network, ...]
     """Before, and after."""
     outlets: Outlets
-    """As they fit what is known before treatment, and are kept for after."""
+    """The outlets, whose resistances fit what is known before treatment, and are kept for after."""
     inlets: Inlets
     inflow: dict[str, tuple[float, ...]]
     """mL/s at each of several inlets, by moment."""
     limbs: tuple[Channel, ...]
-    """Those that part and meet again."""
+    """Channels that part and meet again."""
     is_quasi_steady: bool
     """Whether a wave was taken as a row of steady flows."""
 
@@ -177,7 +177,7 @@ class FlowModel:
 
     @cached_property
     def _others(self) -> list[tuple[PossibleFlow, PossibleFlow]]:
-        """To both sides of the usual one."""
+        """Cases to both sides of the usual one."""
         return [(self._possible(low), self._possible(high)) for _, (low, high) in UNCERTAIN]
 
     def _possible(self, method: Method) -> PossibleFlow:

@@ -63,7 +63,7 @@ class Method(NamedTuple):
     power: float = 7 / 3
     """Flow to an outlet goes with its diameter to this power, where nothing tells more."""
     wider: float = 0.0
-    """By so much all diameters are larger, mm."""
+    """The length by which all diameters are larger, mm."""
     divided: float = 1.0
     """Times the loss of blood that a branch takes over faster than it flows there."""
     turned: float = 0.5
@@ -163,9 +163,9 @@ class Stream(NamedTuple):
     bends: Floats
     """(m,) as of `bends_of`."""
     others: Mapping[int, Sequence[float]] = MappingProxyType({})
-    """As of `other_turns`."""
+    """The same as of `other_turns`."""
     sharp: SharpBends = NONE
-    """As of `sharp_bends`."""
+    """The same as of `sharp_bends`."""
 
 
 def blocks_of(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import Centerline, Stretch, joined_lumens
+from ..centerline import Centerline, LumenStretch, joined_lumens
 from ..geometry import Line, Surface, norm
 from ..lumen import equivalent_diameters, inscribed_spheres, wall_of
 from ..validation import Floats, Indices, InputError, Points, as_place, place_words
@@ -56,7 +56,7 @@ class Channel(NamedTuple):
     """The channel at whose end it begins, -1 at an end of the vessel; of several the one that
     brings most blood."""
     also: tuple[int, ...] = ()
-    """The others that bring blood there."""
+    """The other channels that bring blood there."""
     joins: int = -1
     """The channel at whose end it ends, too, where limbs meet again; else -1."""
     tips: tuple[float, float] = (math.nan, math.nan)
@@ -243,7 +243,7 @@ def _oblong(channel: Channel, inner: Floats, near: Sequence[tuple[Channel, Float
     return np.where(is_near, ratios, OBLONG).min(axis=1)
 
 
-def _refined(lumen: Stretch) -> Channel:
+def _refined(lumen: LumenStretch) -> Channel:
     """A channel with more stations where it is narrow, so that no throat lies between two."""
     size = np.fmin(lumen.diameter[1:], lumen.diameter[:-1])
     known = np.isfinite(lumen.diameter[1:]) & np.isfinite(lumen.diameter[:-1])

@@ -98,9 +98,9 @@ class Course(NamedTuple):
     is_turned: Flags
     """(n,) which of these flow toward the root."""
     feeders: tuple[tuple[int, ...], ...]
-    """By channel along the flow those that bring its blood, most of it first."""
+    """For each channel along the flow those that bring its blood, most of it first."""
     tree: Tree
-    """Of them."""
+    """The tree of the channels."""
 
     @property
     def is_as_drawn(self) -> bool:

@@ -147,7 +147,7 @@ def _is_same(one: Channel, other: Channel) -> bool:
 
 
 def _joined(rounds: Sequence[_Round], counts: Sequence[int]) -> _Round:
-    """One after the other, of channels with so many stations."""
+    """What lies round all channels, one after the other, of so many stations each."""
     first = np.cumsum([0, *counts])
     spheres = np.cumsum([0, *(len(one.which) for one in rounds)])
     nodes = np.cumsum([0, *(len(one.loops.station) for one in rounds)])

@@ -29,16 +29,17 @@ class Ends(NamedTuple):
     given: Sequence[str | None] = ()
     """What the user calls them."""
     begun: frozenset[int] = frozenset()
-    """Those at whose ends lines of the file begin, as at the root; other inlets, that is."""
+    """Branches at whose ends lines of the file begin, as at the root; other inlets, that is."""
 
 
 class Inlets(NamedTuple):
     """Where blood comes in, and where it might."""
 
     fractions: dict[int, float]
-    """Of the flow by node, as of `course.nodes_of`, the first one first; 0 where it is closed."""
+    """Shares of the flow by node, as of `course.nodes_of`, the first one first; 0 where it is
+    closed."""
     names: tuple[str, ...]
-    """Of those that are not closed,"""
+    """Names of the inlets that are not closed,"""
     closed: tuple[str, ...]
     """and of those that are because nothing is known of them."""
 

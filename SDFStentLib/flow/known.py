@@ -27,7 +27,7 @@ MOST_MEAN = 26.8
 21:1150): who lies in a laboratory has less."""
 
 L_PER_MIN = 0.06
-"""In one mL/s."""
+"""Liters per minute in one mL/s."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Inflow:
     """What comes in at one of several inlets; 0 where it is closed."""
 
     name: str
-    """Of the end, or of the vessel there, as a report has it."""
+    """The name of the end, or of the vessel there, as a report has it."""
     mean: float = parameter(
         "flow into the vessel there", unit="mL/s", least=0, most=MOST_FLOW, called="mean flow"
     )

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..centerline import Centerline, Stretch
+from ..centerline import Centerline, LumenStretch
 
 
 def joined_limbs(
-    stretches: Sequence[Stretch], centerline: Centerline
-) -> tuple[list[Stretch], dict[int, int]]:
+    stretches: Sequence[LumenStretch], centerline: Centerline
+) -> tuple[list[LumenStretch], dict[int, int]]:
     """Stretches that are parted where limbs meet them again, and which ends limbs join.
 
     Returns
     -------
-    list of Stretch
+    list of LumenStretch
         Every one after that above it. Limbs go on to where they meet the others.
     dict of int to int
         By limb the stretch at whose end it ends.
@@ -38,7 +38,7 @@ def joined_limbs(
     return found, joins
 
 
-def _ending_at(stretches: Sequence[Stretch], tree: Centerline, leaf: int) -> int | None:
+def _ending_at(stretches: Sequence[LumenStretch], tree: Centerline, leaf: int) -> int | None:
     """The stretch that ends at a leaf."""
     branch = next(k for k, nodes in enumerate(tree.branches) if nodes[-1] == leaf)
     inner = {one.above for one in stretches}
@@ -47,7 +47,7 @@ def _ending_at(stretches: Sequence[Stretch], tree: Centerline, leaf: int) -> int
 
 
 def _nearest(
-    stretches: Sequence[Stretch], tree: Centerline, node: int, limb: int
+    stretches: Sequence[LumenStretch], tree: Centerline, node: int, limb: int
 ) -> tuple[int, int]:
     """The stretch, and the station of it, that is nearest to a point of the tree."""
     place = tree.points[node]
@@ -61,7 +61,7 @@ def _nearest(
     return number, station
 
 
-def _up_to(limb: Stretch, other: Stretch, station: int) -> Stretch:
+def _up_to(limb: LumenStretch, other: LumenStretch, station: int) -> LumenStretch:
     """A limb up to where it enters the lumen of another stretch, and on to its middle.
 
     In that lumen spheres are of the other vessel, as they are where a branch begins.
@@ -83,8 +83,8 @@ def _up_to(limb: Stretch, other: Stretch, station: int) -> Stretch:
 
 
 def _parted(
-    stretches: Sequence[Stretch], joins: dict[int, int], number: int, station: int
-) -> tuple[list[Stretch], dict[int, int]]:
+    stretches: Sequence[LumenStretch], joins: dict[int, int], number: int, station: int
+) -> tuple[list[LumenStretch], dict[int, int]]:
     """Stretches with one parted at a station; the numbers of later ones go up by one."""
     one = stretches[number]
     first, second = (

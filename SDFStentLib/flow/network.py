@@ -12,10 +12,11 @@ from .blocks import Block, Method
 from .tree import Tree
 
 _STEPS = 60
-"""Of Newton's method; a few are enough, for the equations are those of a convex minimum."""
+"""The most steps of Newton's method; a few are enough, for the equations are those of a convex
+minimum."""
 
 _ENOUGH = 1e-10
-"""Of the flow, by which the last step may change it."""
+"""The part of the flow by which the last step may change it."""
 
 
 class Outlets(NamedTuple):

@@ -21,20 +21,22 @@ MAIN = 0.1
 pulmonary artery of the anatomies, 20 % of the flow, is above it, and side branches are below."""
 
 OTHERS = "other outlets"
-"""Those of neither main branch."""
+"""Outlets of neither main branch."""
 
 FIRM = 1e4
-"""Without pressures outlets resist so many times more than the vessel: their shares are fixed."""
+"""Without pressures the outlets resist so many times more than the vessel: their shares are
+fixed."""
 
 NOTHING = 1e-6
-"""Of the pressure that is known: outlets that cost no more at the mean flow cost nothing."""
+"""The part of the pressure that is known: outlets that cost no more at the mean flow cost
+nothing."""
 
 
 class SideClues(NamedTuple):
     """What tells the main branches apart."""
 
     frame: Frame | None = None
-    """Of the patient, which tells where right is."""
+    """The frame of the patient, which tells where right is."""
     right: Points | None = None
     """(3,) a place in the right one, mm."""
     names: Sequence[str | None] = ()
@@ -49,7 +51,7 @@ class Sides(NamedTuple):
 
     names: tuple[str, str]
     blocks: tuple[int, int]
-    """With which each begins."""
+    """The blocks with which they begin."""
     outlets: Flags
     """(2, k) which are theirs."""
     is_known: bool
@@ -234,7 +236,7 @@ class _Fit:
         return np.array(wrong)
 
     def factors(self, left: Sequence[float]) -> Floats:
-        """That miss nothing.
+        """Factors that miss nothing.
 
         From what the vessel leaves of the pressure at the mean flow, Pa, where it leaves some; a
         wave may cost far more than its mean flow, and less with other shares.

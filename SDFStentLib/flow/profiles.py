@@ -17,8 +17,8 @@ from ..validation import Floats
 from .channels import Channel, Widths
 
 THIN = 0.05
-"""Of the radius: layers are taken for as thick at least, for the friction of thinner ones has no
-bounds."""
+"""The least part of the radius: layers are taken for as thick at least, for the friction of thinner
+ones has no bounds."""
 
 BENT = 11.6
 """White (1929): from this Dean number on a bend costs more than a straight tube."""
@@ -36,7 +36,8 @@ class ChannelStations(NamedTuple):
     starts: list[int]
     """(n + 1,) where those of each channel begin, and the end."""
     feeds: list[list[tuple[int, float]]]
-    """By channel those at whose ends it begins, with the shares of the blood that comes there."""
+    """For each channel those at whose ends it begins, with the shares of the blood that comes
+    there."""
     step: Floats
     """(m,) from each station to the next one, m; 0 at the end of a channel."""
 

@@ -12,7 +12,7 @@ from .blocks import PASCAL_PER_MMHG, Blood, Method
 from .known import Known
 from .network import Network, Outlets, SteadyFlow, lost_along
 from .outlets import Sides
-from .spans import Piece, drops_over
+from .spans import BlockPart, drops_over
 
 USUAL = Method()
 
@@ -49,16 +49,16 @@ class SpanDrop(NamedTuple):
     """What a part of the vessel costs."""
 
     recovered: Band
-    """Of the total pressure, mmHg."""
+    """The drop of the total pressure, mmHg."""
     maximal: Band
-    """Of the static pressure to its lowest place, mmHg."""
+    """The drop of the static pressure to its lowest place, mmHg."""
 
 
 class InletLoss(NamedTuple):
     """What blood of one of several inlets loses on its way to the outlets."""
 
     drop: Band
-    """Of the total pressure, to its mean over the outlets, mmHg."""
+    """The drop of the total pressure, to its mean over the outlets, mmHg."""
     power: Band
     """W."""
 
@@ -71,9 +71,9 @@ class Moment(NamedTuple):
     sides: tuple[Band, ...] | None
     """Shares of the flow to the main branches, and to others where there are some."""
     drops: tuple[SpanDrop, ...]
-    """In the order of the parts that were asked for."""
+    """Drops, in the order of the parts that were asked for."""
     inlets: tuple[InletLoss, ...] = ()
-    """Of several, in their order;"""
+    """Losses of several inlets, in their order;"""
     power: Band | None = None
     """and of all together, W."""
     limbs: tuple[Band, ...] = ()
@@ -102,7 +102,7 @@ class SeenFlow:
         self._shape = len(networks), len(states) // len(networks)
         self._networks = [one for one in networks for _ in range(self._shape[1])]
         self._flows = np.array([one.flow for one in states])
-        self._drops: dict[tuple[Piece, ...], Floats] = {}
+        self._drops: dict[tuple[BlockPart, ...], Floats] = {}
         tree = self.usual.tree
         into = (tree.signs_of_inlets * self._flows[:, tree.inlets]).sum(axis=1)
         # No shares yet: those of a moment at which blood stands still are none.
@@ -115,7 +115,7 @@ class SeenFlow:
             self._losses = losses_of(self._networks, self._flows, inlets)
             self._losses[:, :inlets] /= PASCAL_PER_MMHG
 
-    def _drop(self, pieces: tuple[Piece, ...]) -> Floats:
+    def _drop(self, pieces: tuple[BlockPart, ...]) -> Floats:
         """The drop over a part, of all states (c * t, 2), mmHg."""
         known = self._drops.get(pieces)
         if known is None:
@@ -123,7 +123,7 @@ class SeenFlow:
         return known
 
     def moments(
-        self, known: Known, parts: Sequence[tuple[Piece, ...]], weights: Floats | None = None
+        self, known: Known, parts: Sequence[tuple[BlockPart, ...]], weights: Floats | None = None
     ) -> Floats:
         """Values by case, moment and quantity: inlet, shares of sides and limbs, drops, losses.
 

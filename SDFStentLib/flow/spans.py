@@ -14,7 +14,7 @@ from .channels import Channel
 from .network import Network
 
 
-class Piece(NamedTuple):
+class BlockPart(NamedTuple):
     """A part of one block, by its stations and what lies between two of them."""
 
     block: int
@@ -27,13 +27,13 @@ class Drop(NamedTuple):
     """A drop of pressure over a part of a vessel, Pa."""
 
     recovered: float
-    """Of the total pressure, with what the jet that leaves the part will still lose. What a jet
-    that comes in would lose anyway is of the narrowing before; a part that spares some of that
-    costs nothing."""
+    """The drop of the total pressure, with what the jet that leaves the part will still lose. What
+    a jet that comes in would lose anyway is of the narrowing before; a part that spares some of
+    that costs nothing."""
     maximal: float
-    """Of the static pressure from where blood comes in to its lowest place, no less than the
-    recovered one: a fast stream at the start, as in front of an ostium, has a lower pressure there
-    already."""
+    """The drop of the static pressure from where blood comes in to its lowest place, no less than
+    the recovered one: a fast stream at the start, as in front of an ostium, has a lower pressure
+    there already."""
 
 
 class Part(NamedTuple):
@@ -44,7 +44,8 @@ class Part(NamedTuple):
     """(n, 3) along it, in either direction, mm; where its ends are on different branches, to the
     farther one."""
     before: float = 0.0
-    """By so much it begins earlier, mm: a narrowing at an ostium begins in the vessel above."""
+    """The length by which it begins earlier, mm: a narrowing at an ostium begins in the vessel
+    above."""
 
 
 class Ways:
@@ -57,9 +58,9 @@ class Ways:
         self._ends = np.concatenate([one.points[1:] for one in channels])
         self._channel = np.repeat(np.arange(len(channels)), counts)
         self._station = np.concatenate([np.arange(count) for count in counts])
-        self._known: dict[tuple[bytes, float], tuple[Piece, ...]] = {}
+        self._known: dict[tuple[bytes, float], tuple[BlockPart, ...]] = {}
 
-    def pieces_along(self, line: Points, before: float = 0.0) -> tuple[Piece, ...]:
+    def pieces_along(self, line: Points, before: float = 0.0) -> tuple[BlockPart, ...]:
         """The way in the tree between the places that are nearest to both ends of a line.
 
         From the root's side on, and from `before` mm earlier, as of `Part`.
@@ -70,21 +71,21 @@ class Ways:
             self._known[key] = self._pieces(ends, before)
         return self._known[key]
 
-    def pieces_to(self, place: Points) -> tuple[Piece, ...]:
+    def pieces_to(self, place: Points) -> tuple[BlockPart, ...]:
         """The way that blood comes from an inlet to the place nearest to a point (3,)."""
         ((last, stop),) = self._nearest(slice(None), place[None])
         *way, _ = self._way(last, last)
-        whole = (Piece(one, 0.0, len(self._channels[one].points) - 1.0) for one in way)
-        return (*whole, Piece(last, 0.0, stop))
+        whole = (BlockPart(one, 0.0, len(self._channels[one].points) - 1.0) for one in way)
+        return (*whole, BlockPart(last, 0.0, stop))
 
-    def direction_at(self, piece: Piece) -> Points:
+    def direction_at(self, piece: BlockPart) -> Points:
         """Where the channel leads (3,) at the end of a piece; unit length."""
         line = self._channels[piece.block].points
         number = min(int(piece.end), len(line) - 2)
         step = line[number + 1] - line[number]
         return np.asarray(step / np.linalg.norm(step))
 
-    def _pieces(self, ends: Points, before: float) -> tuple[Piece, ...]:
+    def _pieces(self, ends: Points, before: float) -> tuple[BlockPart, ...]:
         found = self._nearest(slice(None), ends)
         if self._is_behind(*found):
             ends, found = ends[::-1], found[::-1]
@@ -101,7 +102,7 @@ class Ways:
         start = min(start, float(np.interp(at, along, np.arange(len(along)))))
         way = way[way.index(first) :]
         return tuple(
-            Piece(
+            BlockPart(
                 number,
                 start if number == first else 0.0,
                 stop if number == last else len(self._channels[number].points) - 1.0,
@@ -156,12 +157,12 @@ class Ways:
         return float(np.interp(station, np.arange(len(along)), along))
 
 
-def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
+def drop_over(pieces: Sequence[BlockPart], network: Network, flow: Floats) -> Drop:
     """The drop over a part of a vessel at some flows (n,) through the blocks, m^3/s."""
     return Drop(*drops_over(pieces, [network], flow[None])[0].tolist())
 
 
-def drops_over(pieces: Sequence[Piece], networks: Sequence[Network], flows: Floats) -> Floats:
+def drops_over(pieces: Sequence[BlockPart], networks: Sequence[Network], flows: Floats) -> Floats:
     """The fields of `Drop` (c, 2) in networks of one tree at flows (c, n) through their blocks.
 
     Flow that runs back costs what the same flow forward does, with the other sign, as it does in

@@ -33,10 +33,11 @@ NO_LEVEL = (
 )
 
 _RESIDUAL, _ROUNDING = 1e-8, 1e-12
-"""Of the equations, in cgs, and of the pressures in them, beyond which rounding would decide."""
+"""Residuals of the equations, in cgs, and of the pressures in them, beyond which rounding would
+decide."""
 
 _BARYE, _R, _S = 10.0, 1e-5, 1e-11
-"""Of pressure, resistance and loss: one SI unit in cgs."""
+"""Units of pressure, resistance and loss: one SI unit in cgs."""
 
 _RUN = "import svzerod; svzerod.run_simulation_cli()"
 """What its command `svzerodsolver` does; `svzerod.simulate` says the same by way of a table of

@@ -47,7 +47,7 @@ class Tree(NamedTuple):
     leads_to: Flags
     """(n, k) to which outlets each leads in the tree."""
     levels: tuple[Level, ...]
-    """Of those that lead to outlets, from the first junctions on."""
+    """Levels of the blocks that lead to outlets, from the first junctions on."""
     chords: Indices
     """(m,) the blocks that close loops."""
     enters: Floats

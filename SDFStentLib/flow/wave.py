@@ -15,13 +15,14 @@ CLOSED = 0.05
 """Share of a wave's range by which its last flow may differ from its first."""
 
 LEAST_ROWS = 4
-"""Of a wave."""
+"""The fewest rows of a wave."""
 
 STEPS, USUAL, MOST = 100, 1000, 2000
-"""Of a cycle: the fewest, how many where the rows of a wave are on no even steps, and the most."""
+"""Steps of a cycle: the fewest, how many where the rows of a wave are on no even steps, and the
+most."""
 
 ON_STEP = 1e-3
-"""Of a step, by which a row may lie beside it: times are written with six digits or so."""
+"""The part of a step by which a row may lie beside it: times are written with six digits or so."""
 
 WITHIN = 0.01
 """Share of the range within which rows that fall on one step have to agree."""

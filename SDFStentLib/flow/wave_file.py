@@ -16,13 +16,13 @@ from .units import FLOW_UNITS, flow_column, time_column
 from .wave import CLOSED, LEAST_ROWS, RATES, Wave, closes
 
 EVEN = 0.05
-"""Of a step, by which times that are written in ms may differ from even ones."""
+"""The part of a step by which times that are written in ms may differ from even ones."""
 
 SAME = 1e-5
-"""Of the range: numbers of five digits or so that are the same."""
+"""The part of the range by which numbers of five digits or so that are the same may differ."""
 
 ROUNDED = 1e-9
-"""Of a number that is calculated."""
+"""The rounding of a number that is calculated."""
 
 MOST_BEATS = 64
 
@@ -30,7 +30,7 @@ _THOUSANDS = re.compile(r"[1-9]\d{0,2}(,\d{3})+")
 """A number whose commas may divide thousands."""
 
 _SAMPLES = 64
-"""Of a beat, at which it is held against the others."""
+"""Samples of a beat, at which it is held against the others."""
 
 
 class ReadWave(NamedTuple):
@@ -146,7 +146,6 @@ def _numbers(row: list[str]) -> tuple[float, float] | None:
 
 
 def _wave(rows: _Rows, cycle: float | None) -> ReadWave:
-    """One cycle of the rows."""
     cautions = []
     if cycle is None:
         closed = _closed(rows)
@@ -248,7 +247,9 @@ def _apart(rows: _Rows, count: int) -> tuple[float, float]:
 
 
 def _of_beats(rows: _Rows, count: int) -> Caution:
-    """That so many beats are averaged; where they are not alike, how much that takes of them."""
+    """The message that so many beats are averaged; where they are not alike, how much that takes of
+    them.
+    """
     apart, size = _apart(rows, count)
     told: dict[str, float | str] = {"beats": count, "cycle_s": float(rows.time[-1]) / count}
     if apart < CLOSED * size:

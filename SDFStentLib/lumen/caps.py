@@ -44,7 +44,7 @@ ACROSS = np.cos(np.deg2rad(30.0))
 
 FEWEST_FACES = 6
 _IN_ONE_PLANE = 2
-"""So many faces tell that something is flat: one always is."""
+"""The number of faces that tell that something is flat: one always is."""
 
 NOTICEABLE = 0.05
 """Motion out of the plane, mm, from which on a cap is reported."""

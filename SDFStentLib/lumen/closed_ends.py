@@ -28,7 +28,8 @@ IN_SURFACE = 1e-6
 
 
 BESIDE = 4.0
-"""Of the radius of the lumen: no farther from its station is a sphere, or what it touches."""
+"""The part of the radius of the lumen: no farther from its station is a sphere, or what it
+touches."""
 
 
 class SurfacePart(NamedTuple):

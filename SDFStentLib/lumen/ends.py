@@ -19,7 +19,7 @@ ABOUT = 1.5
 """A spot is about as wide as the lumen where the lumen is not so many times wider."""
 
 _DEPTH = 2.0
-"""That is looked at so many of the spot's narrow radii below it, as deep as it is wide."""
+"""The depth to which a spot is looked at, in its narrow radii: as deep as it is wide."""
 
 _INWARD = np.cos(np.deg2rad(60.0))
 """A vessel that is cut askew goes on within this angle of the spot's normal."""

@@ -101,7 +101,7 @@ class _Parts(NamedTuple):
     of_triangle: Indices
     """(m,) number of the part that a triangle of the surface touches, 0 for none."""
     is_far: Mask
-    """By number: whether the part leads far away,"""
+    """Whether, by number, the part leads far away,"""
     is_onward: Mask
     """and whether it is the vessel itself, beyond an end of the tube."""
 

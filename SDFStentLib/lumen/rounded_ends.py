@@ -22,7 +22,8 @@ AHEAD = np.cos(np.deg2rad(60.0))
 """A sphere that touches the surface so nearly along the axis may touch the end."""
 
 NEAR = 1.2
-"""Of the radius of the lumen: nothing that closes the end is farther from a sphere's station."""
+"""The part of the radius of the lumen: nothing that closes the end is farther from a sphere's
+station."""
 
 CLOSED = 1.6
 """A closed vessel is over within so many radii beyond the last station,"""

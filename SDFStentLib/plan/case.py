@@ -114,7 +114,7 @@ class Case:
 
     @cached_property
     def stents(self) -> tuple[Stent, ...]:
-        """Those of the plan in the frame of the vessel, by points where only that knows more.
+        """Stents of the plan in the frame of the vessel, by points where only that knows more.
 
         `InputError` as of `Vessel.placed`.
         """
@@ -172,7 +172,7 @@ class CaseOutcome:
 
     @cached_property
     def lesions(self) -> tuple[TreatedLesion, ...] | None:
-        """Those of the vessel before and after; None without a centerline."""
+        """Lesions of the vessel before and after; None without a centerline."""
         vessel, result, found = self.vessel, self.treatment, self.found
         if found is None:
             return None

@@ -34,7 +34,7 @@ from .vessel_names import names_document
 
 SCHEMA = "sdfstent-plan"
 SCHEMA_VERSION = 2
-"""Of the documents that are written and read."""
+"""The version of the documents that are written and read."""
 
 POINT_PLACEMENTS: dict[str, type[AtCenter] | type[AtDistalEnd] | type[AtProximalEnd]] = {
     "center": AtCenter,
@@ -218,7 +218,7 @@ def plan_schema() -> dict[str, Any]:
 
 
 PLACE_WORDS = {"number": "lesion"}
-"""Of `AtLesion` and `OnBranch` in a document, where these are others than their own."""
+"""Words of `AtLesion` and `OnBranch` in a document, where these are others than their own."""
 
 
 def _placement() -> dict[str, Any]:

@@ -94,7 +94,7 @@ class Draft:
 
     @property
     def length(self) -> float:
-        """As packed, mm: of a device of one length that, whatever is set."""
+        """The length as packed, mm; that of a device of one length, whatever is set."""
         return (self.entry["device"] or {}).get("nominal_length") or self.entry["length"]
 
     @property
@@ -186,7 +186,7 @@ class Draft:
 
     @property
     def final(self) -> Stent:
-        """The same, dilated again where it is at once."""
+        """The stent, dilated again where it is at once."""
         planned, diameter = self.unplaced, self.entry["redilation"]
         return again(planned, 1, diameter) if diameter else planned
 

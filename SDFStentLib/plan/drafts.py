@@ -87,7 +87,7 @@ def stents_of(
 
 
 def rows_of(drafts: Sequence[Draft]) -> list[int]:
-    """By which a list of drafts counts each of its stents, from 1."""
+    """Numbers by which a list of drafts counts each of its stents, from 1."""
     rows = enumerate(drafts, start=1)
     return [row for row, one in rows for _once in range(2 if one.entry["redilation"] else 1)]
 
@@ -105,9 +105,9 @@ class Row(NamedTuple):
 
     stent: Stent
     redilation: float | None = None
-    """To which it is dilated again at once, mm."""
+    """The diameter to which it is dilated again at once, mm."""
     original: int | None = None
-    """Of one that dilates another again: the index of that one among the rows."""
+    """For one that dilates another again, the index of that one among the rows."""
 
     @property
     def entry(self) -> dict[str, Any]:

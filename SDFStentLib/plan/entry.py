@@ -20,7 +20,8 @@ Entry = Mapping[str, Any]
 """Fields of a `Stent` with their values of JSON; those that are missing are as by default."""
 
 FIELDS = tuple(one.name for one in fields(Stent) if one.name != "placement")
-"""Of an entry, without the place, which depends on the unit and the frame of the document."""
+"""Fields of an entry, without the place, which depends on the unit and the frame of the
+document."""
 
 
 def stent_entry(stent: Stent) -> dict[str, Any]:

@@ -73,7 +73,7 @@ def lacks_solver(entry: FlowEntry) -> bool:
 
 
 def inflows(entry: FlowEntry) -> dict[str, float]:
-    """By name of an inlet what comes in there, mL/s."""
+    """The inflow by the name of the inlet, mL/s."""
     flow = entry or {}
     return {one.name: one.mean for one in _inlets(flow, flow.get("mean") or 0.0, False)}
 

@@ -39,9 +39,9 @@ class Marks(NamedTuple):
     reference: tuple[Points, ...] = ()
     """Healthy vessel, against which lesions are measured."""
     names: tuple[VesselName, ...] = ()
-    """By which vessels are called, each at a place."""
+    """Names by which vessels are called, each at a place."""
     frame: Frame | None = None
-    """Of all of them; None: the surface's."""
+    """The frame of all places; None: the surface's."""
 
     def in_frame(self, frame: Frame | None) -> Marks:
         """The same places as a file of that frame has them."""

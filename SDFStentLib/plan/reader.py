@@ -42,7 +42,7 @@ from .typed import from_document
 from .vessel_names import read_names
 
 MOST_STENTS = 1000
-"""Of a plan, disabled ones too: far more than any patient gets."""
+"""The most stents of a plan, disabled ones too: far more than any patient gets."""
 
 _PARTS = ("sdfstent_version", "inputs", "settings", "flow", "views")
 """What a plan may have besides its stents."""

@@ -111,7 +111,7 @@ class PlanResult(CaseOutcome):
 
     @property
     def vessel(self) -> Vessel:  # type: ignore[override]
-        """That was read."""
+        """The vessel that was read."""
         return self.inputs.vessel
 
     @property
@@ -256,7 +256,7 @@ def as_read(plan: Plan, inputs: InputFiles) -> Plan:
 
 
 _SPACING = 1.0
-"""Of the stations along the stents, mm."""
+"""The distance of the stations along the stents, mm."""
 
 
 class Today(NamedTuple):

@@ -40,7 +40,7 @@ def value_in_use(draft: Draft, path: str) -> Any:
 
 
 def with_device(draft: Draft, device: Device | None) -> Changes:
-    """With a device it has the length of that and shortens so; its own length is kept."""
+    """Changes for a device: the stent has its length and shortens so; its own length is kept."""
     if device is not None:
         return {"device": to_document(device), "device_shortening": True}
     usual = {"foreshortening_fraction": draft.usual_foreshortening}
@@ -48,7 +48,7 @@ def with_device(draft: Draft, device: Device | None) -> Changes:
 
 
 def shaped(_draft: Draft, shape: Shape | None) -> Changes:
-    """With a shape, whose table says how wide it is; a plain one is a cylinder."""
+    """Changes for a shape, whose table says how wide it is; a plain one is a cylinder."""
     if shape is None or shape == Shape():
         return {"shape": None}
     wide = {"diameter": max(row[1] for row in shape.table)} if shape.table else {}
@@ -114,13 +114,15 @@ def _left_by(balloon: Balloon) -> Changes:
 
 
 def _balloon(draft: Draft) -> Balloon:
-    """That it has, or would have."""
+    """The balloon that it has, or would have."""
     lumen = draft.entry["diameter"]
     return draft.balloon or balloon_by_rule(lumen / (1 - USUAL_RECOIL), NOT_KNOWN)
 
 
 def _switched(draft: Draft, is_used: bool) -> Changes:
-    """On the balloon that leaves its lumen, whatever the rule finds there later, or on none."""
+    """Changes for the balloon that leaves its lumen, whatever the rule finds there later, or for
+    none.
+    """
     if not is_used:
         return inflated(draft, None)
     # No balloon that recoils leaves a lumen of its own width: that counts as set, and stays.
@@ -166,7 +168,7 @@ _IN_USE: dict[str, Callable[[Draft], Any]] = {
     "balloon.by_rule": lambda draft: not _balloon(draft).is_given,
     "shape.cap_height": lambda draft: (draft.shape or Shape()).cap_height,
 }
-"""By path what is in use, where that may be another value than the one that is set."""
+"""Values in use by their paths, where that may be another value than the one that is set."""
 
 _SET: dict[str, Callable[[Draft, Any], Changes]] = {
     "foreshortening_fraction": _shortened,
@@ -177,4 +179,4 @@ _SET: dict[str, Callable[[Draft, Any], Changes]] = {
     "shape.cap_height": _capped,
     "shape.table": _tabled,
 }
-"""By path what is set where a value is, where that is more."""
+"""Functions, by path, for what is set where a value is, where that is more."""

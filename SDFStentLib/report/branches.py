@@ -66,7 +66,9 @@ def contact_words(found: Apposition | None) -> str:
 def branch_facts(
     number: int, branch: Ostium, lumen: NeighborLumen | None, units: str = "mm"
 ) -> Facts:
-    """One ostium beside a stent of that number, and the branch's lumen where its wall has moved."""
+    """Facts of one ostium beside a stent of that number, and the branch's lumen where its wall has
+    moved.
+    """
     before, after = (None, None) if lumen is None else (lumen.before, lumen.after)
     start, end = (millimeters(one, 1, signed=True) for one in (branch.start, branch.end))
     return Facts(

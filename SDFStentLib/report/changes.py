@@ -23,7 +23,7 @@ from .facts import LINES, Fact, Facts
 from .words import UNKNOWN, number_text, plain_label, plain_text, point_words
 
 SHOWN = 10
-"""Of triangles, the numbers that are listed in a line."""
+"""The most numbers of triangles that are listed in a line."""
 
 _TRIANGLES = {
     "self_intersecting_triangles": "intersect another one",

@@ -17,7 +17,7 @@ from .facts import COMPARED, GLANCE, LINES, Fact, Facts, width
 from .words import UNKNOWN, millimeters
 
 LUMEN = "Narrowest lumen"
-"""On a tile."""
+"""The name of the lumen on a tile."""
 
 ERROR = "diameters.over_stented_length.mean_after_minus_prescribed_mm"
 """Key of the fact that is a sentence below the table of diameters."""

@@ -37,7 +37,7 @@ class Fact(NamedTuple):
     label: str = ""
     """What it is called. A fact without a label is a sentence, or is for programs only."""
     before: Any = None
-    """None where treatment does not change it, NaN where it is not known."""
+    """The value before; None where treatment does not change it, NaN where it is not known."""
     after: Any = None
     unit: str = ""
     words: str = ""
@@ -122,10 +122,10 @@ class Fact(NamedTuple):
 
 
 class Facts(tuple[Fact, ...]):
-    """Those of one subject, in order, and the views of all of them."""
+    """Facts of one subject, in order, and the views of all of them."""
 
     def named(self, key: str) -> Fact:
-        """The one with a key."""
+        """The fact with a key."""
         return next(one for one in self if one.key == key)
 
     def value(self, key: str) -> Any:
@@ -178,7 +178,7 @@ class Facts(tuple[Fact, ...]):
 
 
 LISTED = 4
-"""Of stents, lesions and branches each; of more the number is told."""
+"""The most stents, lesions and branches that are listed; of more the number is told."""
 
 
 def listed(words: Sequence[str], between: str = ", ") -> str:

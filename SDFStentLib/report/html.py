@@ -100,7 +100,9 @@ def _lumen(document: Section, lesions: Sequence[Facts] | None, title: str, stent
 
 
 def _warnings_and_certificate(document: Section) -> list[str]:
-    """That a surface can be meshed stands below the warnings, that it cannot above them."""
+    """Warnings and certificate: that a surface can be meshed stands below the warnings, that it
+    cannot above them.
+    """
     passed, sentence = certificate_sentence(document["certificate"])
     line = paragraph(sentence, "good" if passed else "bad")
     warnings = [paragraph(one, "warn") for one in document["warnings"]]

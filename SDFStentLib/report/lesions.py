@@ -35,7 +35,7 @@ COLUMNS = (
     *("reference_area_mm2", "percent_area", "proximal_diameter_mm", "distal_diameter_mm"),
     "reference",
 )
-"""Of the table of lesions; x, y, z are in the unit and frame of the surface's file."""
+"""Columns of the table of lesions; x, y, z are in the unit and frame of the surface's file."""
 
 
 def lesion_facts(number: int, lesion: Lesion, units: str = "mm") -> Facts:

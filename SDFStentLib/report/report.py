@@ -70,9 +70,10 @@ class Report(NamedTuple):
     """What is told of a plan that was carried out, as `plan_report` makes it."""
 
     sections: Mapping[str, Any]
-    """By name, as facts and plain values: what there is to tell, in documents and pages."""
+    """Sections by name, as facts and plain values: what there is to tell, in documents and
+    pages."""
     picture: bytes | str | None = None
-    """For the page: a PNG, or the sentence that says why there is none."""
+    """The picture of the page: a PNG, or the sentence that says why there is none."""
 
     def with_outputs(self, files: Mapping[str, str]) -> Report:
         """The same with the files that were written, as seen from its folder, and their SHA-256."""

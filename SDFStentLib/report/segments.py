@@ -26,7 +26,7 @@ SEGMENT_FILES = frozenset({SUMMARY, "before", "after"})
 """What is in the folder of a segment."""
 
 UNITS = "cm"
-"""Of lengths in the document, as in the files beside it."""
+"""The unit of lengths in the document, as in the files beside it."""
 
 _SCALE = MILLIMETERS[UNITS]
 

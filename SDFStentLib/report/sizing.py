@@ -70,7 +70,7 @@ def proposal_sentence(suggestion: Suggestion) -> str:
 
 
 def _product_sentences(stent: Stent, devices: Sequence[Device]) -> list[str]:
-    """That sizes are no product's, and which rows of the device table would have them."""
+    """Sentences that sizes are no product's, and which rows of the device table would have them."""
     device = stent.device
     if device is not None and not device.generic:
         if device.offered_lengths:

@@ -30,7 +30,8 @@ PLACEMENTS = {
 }
 
 CUT = 0.1
-"""By so much less than prescribed, mm, a stent is told to be cut; as its warning has it."""
+"""The length, mm, by which a stent that is told to be cut is shorter than prescribed; as its
+warning has it."""
 
 Lesions = Sequence[TreatedLesion] | None
 
@@ -267,7 +268,7 @@ def stent_rows(result: TreatmentResult) -> list[dict[str, Any]]:
 
 
 def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Such as "Stent 1 of 2: main"; one stent alone has no number.
+    """Titles such as "Stent 1 of 2: main"; one stent alone has no number.
 
     Stents of the plan that are switched off are not in a report: the numbers are then those of
     the plan, as in the warnings.

@@ -39,7 +39,7 @@ WARNING = "warning: "
 
 WARNINGS = "Warnings"
 STENOSIS, SURFACE = "Stenosis left", "Surface"
-"""On tiles."""
+"""Names on tiles."""
 
 _OF_SURFACE = {
     CERTIFIED: (CERTIFIED, ""),
@@ -61,7 +61,7 @@ _SHORT = {
     "overlap": "overlap of {length_mm:.1f} mm",
     "ratio-stenosis": "balloon {ratio:.1f} x as wide as the stenosis",
 }
-"""Of a warning in a line; others are called by their kind."""
+"""Short words for a warning in a line; others are called by their kind."""
 
 
 class Summary(NamedTuple):
@@ -126,7 +126,7 @@ def _at_a_glance(stents: Sequence[Facts], are_several: bool) -> Iterator[str]:
 
 
 def _final(stents: Sequence[TreatedStent]) -> list[TreatedStent]:
-    """Those that lie in the vessel in the end; one dilated again does as the later one."""
+    """The stents that lie in the vessel in the end; one dilated again does as the later one."""
     return [one for one in stents if one.again is None]
 
 

@@ -2,7 +2,7 @@
 
 from .contour import contoured as contoured
 from .labelmap import Labelmap as Labelmap
-from .labelmap import Piece as Piece
+from .labelmap import LabelPiece as LabelPiece
 from .labelmap import largest_piece as largest_piece
 from .prepared import VOXEL_ERROR as VOXEL_ERROR
 from .prepared import PreparedEnd as PreparedEnd

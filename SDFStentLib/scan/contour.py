@@ -125,7 +125,7 @@ def _onto(points: Points, field: _Field, voxel: float) -> tuple[Points, Points]:
 
 
 def _off_middle(points: Points, links: Triangles) -> Points:
-    """From the middle of its neighbors to every point (n, 3)."""
+    """Vectors from the middle of its neighbors to every point (n, 3)."""
     first, second = links.T
     count = np.bincount(links.ravel(), minlength=len(points))
     sums = [

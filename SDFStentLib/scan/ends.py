@@ -56,10 +56,10 @@ class RoundEnd(NamedTuple):
     """An end of a vessel as it was segmented."""
 
     line: Line
-    """From the end inward, to the next junction."""
+    """The line from the end inward, to the next junction."""
     radius: float
     border: Border | None
-    """That cuts it off."""
+    """The border that cuts it off."""
 
 
 class FlatEnds(NamedTuple):
@@ -68,7 +68,7 @@ class FlatEnds(NamedTuple):
     segment: Segment
     """Its inlet comes first of its faces."""
     left: tuple[RoundEnd, ...]
-    """Those that no plane cuts from one vessel alone: they stay as they are."""
+    """Ends that no plane cuts from one vessel alone: they stay as they are."""
 
 
 def round_ends_of(tree: Centerline, borders: Sequence[Border]) -> list[RoundEnd]:

@@ -77,7 +77,7 @@ class Labelmap:
         return np.asarray(self.origin + places @ self.directions.T)
 
 
-class Piece(NamedTuple):
+class LabelPiece(NamedTuple):
     """The largest part of a label that hangs together, and what was left out beside it."""
 
     labelmap: Labelmap
@@ -88,10 +88,10 @@ class Piece(NamedTuple):
     filled: float
     """Volume of the hollows that were filled, mm^3."""
     is_cut: tuple[tuple[bool, bool], ...]
-    """Of each axis whether the image cuts the part off at its beginning, and at its end."""
+    """Whether, for each axis, the image cuts the part off at its beginning, and at its end."""
 
 
-def largest_piece(labelmap: Labelmap) -> Piece:
+def largest_piece(labelmap: Labelmap) -> LabelPiece:
     """The largest part of a label, its hollows filled; voxels that touch at a corner are one."""
     from scipy.ndimage import binary_fill_holes, label
 
@@ -103,7 +103,7 @@ def largest_piece(labelmap: Labelmap) -> Piece:
     each = float(np.prod(labelmap.spacing))
     first = np.array([side.start for side in box])
     origin = labelmap.in_patient((first * labelmap.spacing)[None])[0]
-    return Piece(
+    return LabelPiece(
         Labelmap(filled, labelmap.spacing, origin, labelmap.directions),
         count - 1,
         float(counts.sum() - counts.max()) * each,

@@ -15,7 +15,7 @@ from ..treatment import extract_centerline
 from ..validation import DeploymentError, Floats, Points, as_place
 from .contour import contoured, largest_part
 from .ends import Border, FlatEnds, flat_ends, round_ends_of
-from .labelmap import AROUND, Labelmap, Piece, largest_piece
+from .labelmap import AROUND, Labelmap, LabelPiece, largest_piece
 from .wall_distance import wall_distance
 
 VOXEL_ERROR = 0.2
@@ -133,7 +133,7 @@ def prepared_vessel(labelmap: Labelmap, inlet: Points | None = None) -> Prepared
     )
 
 
-def _surface(piece: Piece) -> Surface:
+def _surface(piece: LabelPiece) -> Surface:
     """The wall of a label, its ends round, and beyond the image where that cuts it."""
     roomy = _with_room(piece)
     field = wall_distance(roomy)
@@ -146,7 +146,7 @@ def _surface(piece: Piece) -> Surface:
     return made.with_points(made.points - AROUND * roomy.spacing)
 
 
-def _with_room(piece: Piece) -> Labelmap:
+def _with_room(piece: LabelPiece) -> Labelmap:
     """The label with empty voxels round it; where the image cuts it, it goes on straight."""
     part, mask = piece.labelmap, piece.labelmap.mask
     for axis, cuts in enumerate(piece.is_cut):
@@ -158,7 +158,7 @@ def _with_room(piece: Piece) -> Labelmap:
     return Labelmap(mask, part.spacing, origin, part.directions)
 
 
-def _borders(piece: Piece) -> list[Border]:
+def _borders(piece: LabelPiece) -> list[Border]:
     part, found = piece.labelmap, []
     for axis, (first, last) in enumerate(piece.is_cut):
         side = float(part.spacing[axis])
@@ -195,7 +195,7 @@ def _sound(surface: Surface) -> Surface:
     )
 
 
-def _of_label(piece: Piece, ends: Sequence[PreparedEnd]) -> list[Caution]:
+def _of_label(piece: LabelPiece, ends: Sequence[PreparedEnd]) -> list[Caution]:
     found = []
     if piece.left_out:
         numbers = {"count": piece.left_out, "volume_mm3": piece.left_volume}
@@ -212,7 +212,7 @@ def _of_ends(part: Labelmap, made: FlatEnds) -> list[Caution]:
 
 
 def _moved(part: Labelmap, cautions: Sequence[Caution]) -> list[Caution]:
-    """The same, their places in the patient."""
+    """The same warnings, their places in the patient."""
     return [
         one
         if one.place is None

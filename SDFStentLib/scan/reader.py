@@ -31,7 +31,7 @@ _NIFTI_SPACING = 80
 """Byte of a NIfTI header at which the spacings of its three axes stand."""
 
 
-class Segment(NamedTuple):
+class LabelEntry(NamedTuple):
     """A label of a segmentation."""
 
     value: int
@@ -49,7 +49,7 @@ class Segmentation(NamedTuple):
 
     path: Path
     labelmap: Labelmap
-    segment: Segment
+    segment: LabelEntry
 
 
 def read_segmentation(path: str | PathLike[str], label: str | int | None = None) -> Segmentation:
@@ -75,7 +75,7 @@ def read_segmentation(path: str | PathLike[str], label: str | int | None = None)
     layers = _layers(image, target)
     known = _segments(meta)
     present = [
-        Segment(int(value), _name_of(known, int(value), layer), layer)
+        LabelEntry(int(value), _name_of(known, int(value), layer), layer)
         for layer, voxels in enumerate(layers)
         for value in np.unique(voxels[voxels > 0])
     ]
@@ -171,7 +171,7 @@ def _fault(voxels: NDArray[Any]) -> str:
     return "" if alike >= MOSTLY * np.count_nonzero(marked) else "neighbors that differ"
 
 
-def _segments(meta: dict[str, str]) -> list[Segment]:
+def _segments(meta: dict[str, str]) -> list[LabelEntry]:
     """The segments that the header of a `.seg.nrrd` names."""
     found = []
     for key, name in meta.items():
@@ -179,18 +179,18 @@ def _segments(meta: dict[str, str]) -> list[Segment]:
         if match:
             value = meta.get(f"Segment{match[1]}_LabelValue", "1")
             layer = meta.get(f"Segment{match[1]}_Layer", "0")
-            found.append(Segment(int(value), one_line(name), int(layer)))
+            found.append(LabelEntry(int(value), one_line(name), int(layer)))
     return found
 
 
-def _name_of(known: Sequence[Segment], value: int, layer: int) -> str:
+def _name_of(known: Sequence[LabelEntry], value: int, layer: int) -> str:
     names = [one.name for one in known if (one.value, one.layer) == (value, layer)]
     return names[0] if names else ""
 
 
 def _chosen(
-    present: Sequence[Segment], known: Sequence[Segment], label: str | int | None, path: Path
-) -> Segment:
+    present: Sequence[LabelEntry], known: Sequence[LabelEntry], label: str | int | None, path: Path
+) -> LabelEntry:
     """The label that is meant; `InputError` where that is none or not one."""
     some = ", ".join(one.words for one in present[:_SAID])
     some += f" and {len(present) - _SAID} more" if len(present) > _SAID else ""

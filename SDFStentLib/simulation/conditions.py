@@ -36,12 +36,12 @@ class End(NamedTuple):
     """What is set at an end of a segment."""
 
     name: str
-    """Of the face."""
+    """The name of the face."""
     kind: Literal["resistance", "flow", "pressure"]
     value: float
     """dyn s/cm^5, mL/s out of the vessel, or dyn/cm^2."""
     flow: float
-    """That the network has there, out of the vessel, the mean, mL/s."""
+    """The flow that the network has there, out of the vessel, the mean, mL/s."""
 
 
 class Cycle(NamedTuple):
@@ -61,7 +61,7 @@ class Conditions(NamedTuple):
     ends: tuple[End, ...]
     """The first is that which is called the inlet, and its flow is known."""
     cycle: Cycle | None = None
-    """Of a wave; None for steady flow."""
+    """The cycle of a wave; None for steady flow."""
     wedge: float = 0.0
     """Pressure beyond the tree, dyn/cm^2, above which outlets resist; 0 where it is not known."""
 
@@ -106,7 +106,6 @@ class EndFlows:
         return steady_states([(self._network, self._outlets, PER_ML * one) for one in flows])
 
     def _mean(self, values: Sequence[float]) -> float:
-        """The mean of values of the states."""
         return float(self._weights @ np.array(values))
 
     def out_of(self, segment: Segment) -> dict[str, float]:

@@ -28,14 +28,14 @@ from ..vessel import vessel_parts
 from .remesh import Axis
 
 MOVED = 1e-3
-"""From so far on the wall has moved, mm."""
+"""The distance from which on the wall has moved, mm."""
 
 ABOVE, BELOW = 2.0, 4.0
 """Diameters of vessel between the wall that moved and the planes: what a plane needs to be met by
 the same flow in both states, and a jet to lose a good part of itself."""
 
 SPACING = 0.5
-"""Of places on the centerline, mm."""
+"""The distance of places on the centerline, mm."""
 
 
 class FlowEnds(NamedTuple):

@@ -102,7 +102,7 @@ def scripts_of(cases: Sequence[tuple[str, TimeSteps]], processes: int) -> dict[s
 DOCUMENT = "simulation.json"
 SCHEMA = "sdfstent-simulation"
 SPACING = 1.0
-"""Of the way in the document, mm."""
+"""The distance of places on the way in the document, mm."""
 
 CASES = {
     ("before", "fine"): "before",

@@ -49,7 +49,7 @@ class Mesh(NamedTuple):
     volume: VolumeMesh
     quality: Quality
     edges_round: int
-    """At the throat."""
+    """Edges round the vessel at the throat."""
     steps: TimeSteps
 
 
@@ -183,7 +183,7 @@ def _cut_out(
 
 
 def _ends(vessels: tuple[Vessel, Vessel], cut: Cut) -> FlowEnds:
-    """Those of a cut, or those beyond the wall that moved."""
+    """The ends of a cut, or the ends beyond the wall that moved."""
     if cut.ends is not None:
         return FlowEnds(*cut.ends, (0.0, 0.0))
     before, after = vessels

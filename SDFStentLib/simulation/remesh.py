@@ -44,7 +44,7 @@ class Wishes(NamedTuple):
     """How fine a mesh is."""
 
     edges_round: float = 20.0
-    """At least so many edges go round the vessel everywhere."""
+    """The least number of edges that go round the vessel everywhere."""
     coarser: float = 1.0
     """Times the size of all edges: a second mesh of the same kind."""
 
@@ -84,7 +84,7 @@ class Remeshed(NamedTuple):
     face_ids: Indices
     """(m,)"""
     deviation: float
-    """Of the old points from it, mm."""
+    """The distance of the old points from it, mm."""
 
 
 def axis_of(surface: Surface, is_wall: Flags, line: Points) -> Axis:

@@ -32,7 +32,7 @@ class FaceFlow(NamedTuple):
     pressure: float
     """Static, the mean over the area, mmHg."""
     total: float
-    """With what moves, the mean over the flow, mmHg."""
+    """Total pressure, with that of the motion, the mean over the flow, mmHg."""
 
 
 class Found(NamedTuple):
@@ -40,7 +40,7 @@ class Found(NamedTuple):
 
     faces: dict[str, FaceFlow]
     shear: tuple[float, float]
-    """Of the wall, Pa: the mean, and what `HIGH` percent of the area does not exceed."""
+    """The shear of the wall, Pa: the mean, and what `HIGH` percent of the area does not exceed."""
     pressure: Floats
     """(k,) mean in slices along the way, mmHg; NaN where there is none."""
     speed: Floats
@@ -52,9 +52,9 @@ class CaseResult(NamedTuple):
 
     mean: Found
     peak: Found | None
-    """At the frame with the most flow through all inlets; None for steady flow."""
+    """Values at the frame with the most flow through all inlets; None for steady flow."""
     spread: float
-    """Of the inlet pressure over the frames, as a part of it."""
+    """The spread of the inlet pressure over the frames, as a part of it."""
 
 
 class SolvedCase:

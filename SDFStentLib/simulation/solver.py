@@ -28,7 +28,7 @@ GET_IT = (
 )
 
 LOG = "solver.log"
-"""Of the solver, kept in the folder of every case."""
+"""The log of the solver, kept in the folder of every case."""
 
 PAUSE = 0.5
 """s, between two looks at how far it is."""
@@ -105,13 +105,13 @@ class Simulated(NamedTuple):
     """What a solver found, beside what the network tells."""
 
     document: dict[str, Any]
-    """As `write_cases` wrote it."""
+    """The document as `write_cases` wrote it."""
     along: Floats
     """(k,) arc length along the way, mm."""
     fine: dict[str, CaseResult]
-    """By state."""
+    """Results by state,"""
     coarse: dict[str, CaseResult]
-    """Where it was solved."""
+    """and those on the coarser mesh where that was solved."""
 
 
 def read_results(folder: Path) -> Simulated:

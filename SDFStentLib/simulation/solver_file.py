@@ -31,16 +31,16 @@ RAMP, LONGEST, WINDOW = 0.5, 6.0, 0.5
 it ends at the latest, and over how long the inlet pressure has to stay."""
 
 FRAMES = 5
-"""That are saved in a window."""
+"""Frames that are saved in a window."""
 
 LEAST_BETWEEN = 10
 """Steps from one frame to the next."""
 
 MOST_STEPS = 200_000
-"""Of a solution: weeks of a large computer."""
+"""The most steps of a solution: weeks of a large computer."""
 
 CYCLES, CYCLE_FRAMES, MODES = 3, 20, 16
-"""Of a wave: cycles, what is saved of the last one, and the fewest harmonics."""
+"""Numbers of a wave: cycles, what is saved of the last one, and the fewest harmonics."""
 
 MODES_WITHIN = 0.01
 """Share of the range of a wave, within which its harmonics meet its rows."""
@@ -49,9 +49,9 @@ STEADY_WITHIN = 1e-6
 """Share of the flow: what varies by less at an end is steady there."""
 
 RC_TIME, PROXIMAL = 0.75, 0.1
-"""Of a wave, whose outlets have compliance: resistance times compliance of the lungs, s, the same
-in health and disease (Lankhaar, Eur Heart J 2008;29:1688), and the part of the resistance before
-it, a choice."""
+"""Values for a wave, whose outlets have compliance: resistance times compliance of the lungs, s,
+the same in health and disease (Lankhaar, Eur Heart J 2008;29:1688), and the part of the resistance
+before it, a choice."""
 
 _LINEAR = {
     "Linear_algebra": {"@type": "fsils", "Preconditioner": "fsils"},
@@ -64,7 +64,8 @@ _LINEAR = {
     "Absolute_tolerance": 1e-17,
     "Krylov_space_dimension": 250,
 }
-"""Of the solver's own cases; the preconditioner `rcs` diverges with resistances at outlets."""
+"""Linear solver of the solver's own cases; the preconditioner `rcs` diverges with resistances at
+outlets."""
 
 
 class TimeSteps(NamedTuple):

@@ -22,7 +22,7 @@ from .mmg import INSTALL, MeditMesh, by_mmg, run_mesher
 from .remesh import GRADING, Remeshed
 
 SWITCHES = "pq1.4YQ"
-"""Of TetGen: fill a surface, no flat tetrahedra, the surface as it is."""
+"""Switches of TetGen: fill a surface, no flat tetrahedra, the surface as it is."""
 
 _FILL = """
 import sys, numpy, tetgen

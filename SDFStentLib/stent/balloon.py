@@ -19,7 +19,7 @@ USUAL_RECOIL = 0.07
 """Part of the balloon's diameter that is lost: mean of the source, whose SD is 0.04."""
 
 RAISED_RECOIL = 0.10
-"""The same where the source saw more than this: its least."""
+"""The recoil where the source saw more than this: its least."""
 
 NARROW_LUMEN = 3.0
 """Native lumen below which the recoil is raised, mm."""

@@ -47,7 +47,7 @@ CELLS = ("closed", "open", "hybrid", "unknown")
 Range = tuple[float, float]
 
 _ROUNDING = 1e-12
-"""By which a share may be beyond its bounds."""
+"""The rounding by which a share may be beyond its bounds."""
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ MOST_RINGS = 500
 """Beyond them nothing could be told apart in a drawing."""
 
 GAP = 0.3
-"""Of open cells: distance of two rings over the height of one."""
+"""The gap of open cells: distance of two rings over the height of one."""
 
 
 @dataclass(frozen=True)

@@ -165,7 +165,7 @@ class Stent(ByValue):
 
     @property
     def widest_diameter(self) -> float:
-        """Where it is widest, ends included, mm."""
+        """The diameter where it is widest, ends included, mm."""
         return self.diameter if self.shape is None else self.shape.widest(self.diameter)
 
     @property
@@ -190,7 +190,7 @@ class Stent(ByValue):
         return _KEPT_BY_PLACE.get(type(self.placement), self.keeps)
 
     def device_cautions(self) -> Iterator[Caution]:
-        """Where it is used beyond what is known of its device; none without one.
+        """Cautions where it is used beyond what is known of its device; none without one.
 
         The device is opened as far as its balloon, or where the stent is widest.
         """

@@ -35,7 +35,7 @@ from .shape import DiametersAlong
 from .stent import Stent
 
 FAR = 0.5
-"""From this many local inscribed radii on the distance to the centerline is told."""
+"""The distance to the centerline from which on it is told, in local inscribed radii."""
 
 FAR_UNKNOWN = 2.0
 """The same where the radius is unknown, mm."""
@@ -79,7 +79,8 @@ LEAST_PART = 0.5
 wrong place, not short of a few millimeters."""
 
 LONGEST_AXIS = 1000.0
-"""Of a stent, or of a part that is measured, mm: no way through vessels is longer."""
+"""The longest axis of a stent, or of a part that is measured, mm: no way through vessels is
+longer."""
 
 LENGTH_TOLERANCE = 1e-6
 """Lengths that differ by less than this are the same, mm."""

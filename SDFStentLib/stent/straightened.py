@@ -20,7 +20,7 @@ class TurnedWay(NamedTuple):
     """How the points of an axis go when its pieces turn."""
 
     line: Line
-    """As it is."""
+    """The line as it is."""
     along: Points
     """(n - 1, 3) their directions."""
     across: Points
@@ -28,7 +28,7 @@ class TurnedWay(NamedTuple):
     angles: Floats
     """(n - 1,) to the goals, rad."""
     keeps: str
-    """As of `Stent`: the end that stays, or the middle between both."""
+    """What stays, as of `Stent`: the end that stays, or the middle between both."""
 
     def at(self, fraction: float) -> Line:
         """The axis at a fraction of the way, 0 to 1."""

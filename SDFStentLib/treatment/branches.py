@@ -17,10 +17,10 @@ from .profile import Stage
 from .value import PlacedStent, TreatedStent
 
 _APART = 0.5
-"""Another stent lies in the same vessel where their axes are nearer than so many radii of it."""
+"""Another stent lies in the same vessel where the axes are nearer than so many of its radii."""
 
 _SPACING = 0.1
-"""Of the places of another stent that are looked at, mm."""
+"""The distance of the places of another stent that are looked at, mm."""
 
 
 def covered_by_all(
@@ -72,9 +72,10 @@ class BranchBeside(NamedTuple):
     nearest: int
     """The number of that from which its place counts."""
     ostium: Ostium
-    """As seen from there, but its share as the first of them found it: before others changed it."""
+    """The ostium as seen from there, but its share as the first of them found it: before others
+    changed it."""
     lumen: NeighborLumen | None
-    """Where it lost most; None where its wall has not moved."""
+    """The lumen where it lost most; None where its wall has not moved."""
     narrowed_by: tuple[int, ...]
     """The numbers of those on whose way it is narrowed."""
 

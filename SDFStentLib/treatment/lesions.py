@@ -152,7 +152,7 @@ class Residual:
     distance: float
 
     def place(self) -> str:
-        """Where it lies, to follow a comma."""
+        """The place where it lies, to follow a comma."""
         if self.side == "within":
             return f"within stent {self.stent}"
         away = f"{self.distance:.0f} mm" if round(self.distance) else "just"

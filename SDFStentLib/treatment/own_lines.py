@@ -153,7 +153,7 @@ class _Drawing:
     def __init__(self, tree: list[Indices], centers: Points, radii: Floats) -> None:
         self._station_of: dict[int, int] = {}
         self._ranges: list[tuple[int, int]] = []
-        """Of every way its first station and the one behind its last."""
+        """For every way its first station and the one behind its last."""
         self._begins: list[int] = []
         """The station of another way at which each begins, -1 at the inlet."""
         points: list[Points] = []

@@ -109,11 +109,11 @@ class StentMiddle(NamedTuple):
     """The middle of a stent on the centerline."""
 
     way: Line
-    """From the root to the end of the branch."""
+    """The way from the root to the end of the branch."""
     at: float
     """Along the way, mm."""
     start: float
-    """Of the branch, along the way, mm."""
+    """The start of the branch, along the way, mm."""
     lesion: Lesion | None
 
     @property

@@ -108,7 +108,7 @@ class HealthyVessel(NamedTuple):
     """Diameters of the healthy vessel where a stent lies, mm; NaN where not known."""
 
     proximal: float
-    """At its proximal end,"""
+    """The diameter at its proximal end,"""
     distal: float
     """at its distal end,"""
     narrowest: float

@@ -33,7 +33,7 @@ NEAR = 6.0
 """Wall so far beyond a stent still follows it, mm; the usual influence distance is 6.5."""
 
 MOST_STATIONS = 24
-"""At which the lumen of a preview is measured, about."""
+"""The most stations at which the lumen of a preview is measured, about."""
 
 
 class PreviewedNumbers(NamedTuple):

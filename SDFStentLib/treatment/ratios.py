@@ -27,7 +27,7 @@ class SeenRatios(NamedTuple):
     """Stents over one kind of vessel, before they were dilated again and after that."""
 
     vessel: str
-    """Of which the diameter is the denominator."""
+    """Words for the vessel whose diameter is the denominator."""
     before: RatioRange
     after: RatioRange
 

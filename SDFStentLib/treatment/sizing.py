@@ -127,7 +127,7 @@ class Suggestion:
         return self.stent.length * (1.0 - self.stent.foreshortening)
 
     def within(self, healthy: HealthyVessel) -> Suggestion:
-        """The same, compared with the healthy vessel where it will lie."""
+        """The same suggestion, compared with the healthy vessel where it will lie."""
         return replace(self, ratios=replace(self.ratios, healthy=healthy))
 
     def cautions(self) -> Iterator[Caution]:

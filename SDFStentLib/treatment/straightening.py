@@ -60,7 +60,7 @@ KEPT = 0.5
 """Share of its distance from the wall that the axis keeps, or of the stent's radius if less."""
 
 SPACING = 1.0
-"""Of the places of the axis that are looked at, mm."""
+"""The distance of the places of the axis that are looked at, mm."""
 
 ROUNDS = 64
 """Steps toward the goal. Each is proven to stay in the lumen, so that stopping early is safe."""
@@ -75,7 +75,7 @@ class AxisChange(NamedTuple):
     straightening_fraction: float = 0.0
     """0 as it is, 1 straight: the share by which each piece turns to the direction of the chord."""
     smoothing_length: float = 0.0
-    """As for `smoothed_line`, mm; before it is straightened."""
+    """The length as for `smoothed_line`, mm; before it is straightened."""
 
     @classmethod
     def of(cls, straightening_fraction: float, settings: DeploymentSettings) -> AxisChange:
@@ -151,16 +151,16 @@ class Permitted(NamedTuple):
     """The part of a way that keeps an axis off the wall."""
 
     fraction: float
-    """At most that which is asked for."""
+    """The part of it that is kept to, at most that which is asked for."""
     place: Floats
     """(3,) where the axis then is nearest to what it has to keep, mm."""
 
 
 class _Told(NamedTuple):
     kind: str
-    """Of the warning where less of the way is gone."""
+    """The kind of the warning where less of the way is gone."""
     fraction: float
-    """Of the way that is asked for."""
+    """The part of the way that is asked for."""
     stent_radius: float
 
 

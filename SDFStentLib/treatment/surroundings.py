@@ -48,7 +48,7 @@ class Survey(NamedTuple):
     """The surroundings of one stent as it finds them, and the lumen before any."""
 
     axis: ExtendedAxis
-    """In the vessel as the stent finds it."""
+    """Its axis in the vessel as it finds that."""
     branches: tuple[Ostium, ...]
     """Proximal to distal."""
     ways: tuple[NeighborWay, ...]
@@ -67,9 +67,10 @@ class TreeNames(NamedTuple):
     """The names by which side branches are found and called."""
 
     centerline: Centerline | None
-    """As a stent finds it. Without it branches are found, and followed through their lumen."""
+    """The centerline as a stent finds it. Without it branches are found, and followed through their
+    lumen."""
     faces: NamedFaces | None
-    """By which branches are named."""
+    """Faces by which branches are named."""
     given: Sequence[str | None]
     """What the user calls them, by branch of the centerline; it comes first."""
 
@@ -87,9 +88,10 @@ class Surroundings(NamedTuple):
     """The surroundings of one stent, when all have been deployed."""
 
     after: DiameterProfile
-    """At the stations of its survey."""
+    """The lumen after treatment at the stations of its survey."""
     neighbors: tuple[NeighborLumen, ...]
-    """Those whose wall has moved: beyond both ends, then branches by the names of their ostia."""
+    """Neighbors whose wall has moved: beyond both ends, then branches by the names of their
+    ostia."""
     apposition: Apposition
     """Contact with the wall after treatment."""
 

@@ -88,7 +88,7 @@ class Vessel:
 
     @property
     def branches(self) -> dict[int, Line]:
-        """Those of the centerline that have a length, by number from 1 at the root."""
+        """Branches of the centerline that have a length, by number from 1 at the root."""
         tree = self.centerline
         lines = [] if tree is None else [Line(tree.points[branch]) for branch in tree.branches]
         return {number: line for number, line in enumerate(lines, start=1) if line.length > 0}
@@ -247,7 +247,7 @@ class Vessel:
 
     @cached_property
     def preview(self) -> Preview:
-        """In which plans are tried out."""
+        """The vessel in which plans are tried out."""
         return Preview(self.surface, self.centerline)
 
     def native_lumen(self, stent: Stent) -> float:

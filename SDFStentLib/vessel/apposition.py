@@ -23,7 +23,7 @@ MOST = 0.5
 """Share of the circumference above which a piece of the stent hangs free."""
 
 SPACING = 0.5
-"""Of the stations, mm."""
+"""The distance of the stations, mm."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class FreeStretch:
     """A part of the stent in which some of its circumference touches no wall."""
 
     start: float
-    """From the proximal end of the stent, mm."""
+    """Its start from the proximal end of the stent, mm."""
     end: float
     share: float
     """Mean share of the circumference without contact, above 0 and up to 1."""
     largest_gap: float
-    """From stent to wall, mm; infinite over an open end."""
+    """The largest gap from stent to wall, mm; infinite over an open end."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Apposition:
     stretches: tuple[FreeStretch, ...]
     """Where the share is above `NOTICED`, proximal to distal."""
     length: float
-    """Of the stent, mm."""
+    """The length of the stent, mm."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "arc_length", read_only(self.arc_length))

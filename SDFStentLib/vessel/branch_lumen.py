@@ -143,7 +143,7 @@ def _on_the_way(along: Floats, diameter: Floats, run: tuple[int, int]) -> list[i
 
 
 _known: WeakKeyDictionary[Surface, TreeLumen] = WeakKeyDictionary()
-"""Of the last centerline: lesions and flow ask for the same."""
+"""The lumen of the last centerline: lesions and flow ask for the same."""
 
 
 def tree_lumen(surface: Surface, centerline: Centerline) -> TreeLumen:

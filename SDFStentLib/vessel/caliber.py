@@ -30,7 +30,7 @@ ANEURYSM = 1.5
 doi:10.1067/mva.1991.26737: a focal dilation by at least half of the normal diameter)."""
 
 _CLOSE = 0.1
-"""Of a vessel's median diameter by which the places are apart at which its caliber is looked at:
+"""The part of a vessel's median diameter by which places of its caliber are apart:
 stations may lie a third of one apart."""
 
 
@@ -103,8 +103,8 @@ class VesselWay(NamedTuple):
     """A vessel between what it comes from and what it goes on in."""
 
     run: VesselRun
-    """With their stations, too. Its parent is that of the first of them, and nothing is beside it
-    where its parent goes on in it foremost."""
+    """The run with their stations, too. Its parent is that of the first of them, and nothing is
+    beside it where its parent goes on in it foremost."""
     own: tuple[float, float]
     """Arc lengths of the first and last known station of the vessel itself, from the root, mm."""
     rank: int

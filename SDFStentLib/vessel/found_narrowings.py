@@ -28,7 +28,7 @@ from .runs import VesselRun, vessel_runs
 from .tree_around import limbs_of
 
 _ROUGHLY = 0.05
-"""Of the reference by which a narrowing may be deeper than rough spheres tell."""
+"""The part of the reference by which a narrowing may be deeper than rough spheres tell."""
 
 
 def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[VesselRun], list[int]]:

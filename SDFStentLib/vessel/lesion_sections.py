@@ -16,8 +16,8 @@ from .narrowings import Plateau
 from .runs import VesselRun
 
 SECTIONS = 16
-"""At least so many sections along a lesion, and two to a station: by areas of a vessel that are a
-quarter of its radius apart the smallest is known to the next ones."""
+"""The least number of sections along a lesion; there are two to a station: by areas of a vessel
+that are a quarter of its radius apart the smallest is known to the next ones."""
 
 OWN_SECTION = 1.5
 """Times the inscribed diameter up to which the circle of a section's area may be wide: what is
@@ -44,9 +44,9 @@ class Section(NamedTuple):
     area: float
     """mm^2."""
     reference: float
-    """Of the healthy vessel there, mm^2."""
+    """The area of the healthy vessel there, mm^2."""
     percent: float
-    """By which it is smaller."""
+    """The percent by which it is smaller."""
 
 
 class LesionLine(NamedTuple):
@@ -59,7 +59,7 @@ class LesionLine(NamedTuple):
     diameters: Floats
     """(k,) inscribed, mm; NaN where unknown."""
     area_ratio: float
-    """Of the healthy vessel's area to its squared diameter."""
+    """The ratio of the healthy vessel's area to its squared diameter."""
 
 
 def smallest_section(surface: Surface, line: LesionLine, minimum: float) -> Section:

@@ -18,9 +18,9 @@ class HealthyPlace:
     """Healthy vessel that a lesion is measured against."""
 
     point: Place
-    """On the centerline, mm."""
+    """Its place on the centerline, mm."""
     arc_length: float
-    """From the root, mm."""
+    """Its arc length from the root, mm."""
     diameter: float
     """Inscribed, the usual one about the point, mm."""
     cut: Callable[[], float] = field(repr=False)
@@ -43,11 +43,11 @@ class Lesion:
     branch: int
     """Index into `Centerline.branches` of the branch in which it is narrowest."""
     branch_name: str
-    """Of that branch, as `branch_names` has it."""
+    """The name of that branch, as `branch_names` has it."""
     branch_arc_length: float
-    """Of the narrowest place, from the start of that branch."""
+    """The arc length of the narrowest place, from the start of that branch."""
     arc_length: float
-    """Of the narrowest place."""
+    """The arc length of the narrowest place."""
     start: float
     end: float
     """Between these arc lengths it is more than a tenth narrower than the reference."""
@@ -56,7 +56,7 @@ class Lesion:
     minimum_diameter: float
     """Inscribed."""
     reference_diameter: float
-    """At the narrowest place."""
+    """The reference diameter at the narrowest place."""
     percent_diameter: float
     proximal: HealthyPlace | None
     distal: HealthyPlace | None
@@ -70,7 +70,7 @@ class Lesion:
     diameters: Floats
     """(k,) inscribed, at these points, mm; NaN where unknown."""
     surface: Surface = field(repr=False)
-    """On which it is measured."""
+    """The surface on which it is measured."""
     vessel: int = 0
     """Index of its vessel among those of the tree, from the root on."""
     generation: int = 0

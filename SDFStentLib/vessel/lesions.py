@@ -152,7 +152,7 @@ def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
 def lesions_within(
     lesions: Sequence[Lesion], axis: Line | ArrayLike, beyond: float = 1.0
 ) -> tuple[Lesion, ...]:
-    """Those of the lesions that a stent along an axis would treat: it reaches the narrowest place.
+    """The lesions that a stent along an axis would treat: it reaches the narrowest place.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ class Plateau(NamedTuple):
     """Healthy vessel on one side of a narrowing."""
 
     arc_length: float
-    """Of its middle, from the root, mm."""
+    """The arc length of its middle, from the root, mm."""
     diameter: float
     """Its median, mm."""
 
@@ -96,10 +96,10 @@ class Narrowing(NamedTuple):
     start: float
     end: float
     narrowest: float
-    """Of a station."""
+    """The arc length of a station."""
     reference: Reference
     degree: float
-    """By which share it is narrower than the reference."""
+    """The share by which it is narrower than the reference."""
 
 
 _EVERYWHERE = (-np.inf, np.inf)

@@ -44,7 +44,7 @@ class NeighborLumen:
 
     name: str
     path: Line
-    """From the stent on."""
+    """The path from the stent on."""
     distance: float
     """Along the path to where it lost most,"""
     before: float
@@ -148,7 +148,7 @@ class _Part(NamedTuple):
     start: float
     """Where on the way it begins, mm."""
     stations: Line
-    """On it, equally spaced."""
+    """Stations on the way, equally spaced."""
     reach: float
     """How far the wall round it is looked for, mm."""
 

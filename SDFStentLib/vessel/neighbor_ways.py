@@ -31,7 +31,7 @@ _LEAVES = 0.5
 """A way that is farther from the axis than so many radii of an ostium leaves the vessel there."""
 
 _SAME = 1e-6
-"""Of two ways that pass an opening equally near, up to this (mm), the first one counts."""
+"""The difference, mm, up to which two ways pass an opening equally near: the first one counts."""
 
 PROXIMAL, DISTAL = "the vessel proximal of the stent", "the vessel distal of the stent"
 """Names of what goes on beyond its ends."""
@@ -42,7 +42,7 @@ class NeighborWay(NamedTuple):
 
     name: str
     line: Line
-    """From the stent on."""
+    """The line from the stent on."""
 
 
 def end_ways(axis: ExtendedAxis) -> tuple[NeighborWay, ...]:

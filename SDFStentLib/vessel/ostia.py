@@ -32,7 +32,7 @@ LISTED = 10.0
 """Ostia so far beyond an end of the stent are found, mm."""
 
 FREE = "free"
-"""Of an ostium that nothing covers."""
+"""The word for an ostium that nothing covers."""
 
 NEARLY = 0.01
 """Share of an ostium that does not count: it is free below, and covered above 1 less this."""
@@ -59,7 +59,7 @@ class Ostium:
     """
 
     name: str
-    """Of the faces of the model where they are named, else its size, place and outlets."""
+    """The name of the model's faces where they have one, else its size, place and outlets."""
     center: Floats
     """(3,) the middle of the opening."""
     start: float
@@ -67,11 +67,11 @@ class Ostium:
     end: float
     """and where it ends."""
     area: float
-    """Of the opening, on the expected wall, mm^2."""
+    """The area of the opening, on the expected wall, mm^2."""
     covered_share: float
     """Share of that area between the ends of the stent, or of any stent, 0 to 1."""
     face_ids: tuple[int, ...] = ()
-    """Of the ends of the model that the branch leads to."""
+    """Face ids of the ends of the model that the branch leads to."""
     outlets: Points = ()  # type: ignore[assignment]
     """(k, 3) centers of the flat caps that the branch leads to."""
     outline: Points = ()  # type: ignore[assignment]

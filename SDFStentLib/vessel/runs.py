@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import SAME_CALIBER, USUAL, BranchLumen, LumenTree, Stretch, joined_lumens
+from ..centerline import SAME_CALIBER, USUAL, BranchLumen, LumenStretch, LumenTree, joined_lumens
 from ..geometry import Line
 from ..validation import Flags, Floats, Indices, Points
 
@@ -39,7 +39,7 @@ class SideBranch(NamedTuple):
     """A branch that leaves a vessel, or one of those into which it divides at its end."""
 
     arc_length: float
-    """Of the junction, from the root, mm."""
+    """The arc length of the junction, from the root, mm."""
     caliber: float
     """mm."""
     branch: int
@@ -67,9 +67,9 @@ class VesselRun(NamedTuple):
     generation: int
     """How many vessels lie between it and the root."""
     caliber: float
-    """Of the widest healthy part of what it leads to, mm; 0 where nothing is known."""
+    """The caliber of the widest healthy part of what it leads to, mm; 0 where nothing is known."""
     outlets: int
-    """To how many ends of the centerline it leads."""
+    """The number of ends of the centerline to which it leads."""
     beside: tuple[float, ...] = ()
     """Calibers of what else leaves its parent where it begins, or goes on there, mm."""
 
@@ -184,7 +184,7 @@ def _siblings(tree: LumenTree, number: int) -> list[int]:
     return [] if above < 0 else [one for one in tree.children[above] if one != number]
 
 
-def _ostium(lumen: Stretch, is_own: Flags) -> int:
+def _ostium(lumen: LumenStretch, is_own: Flags) -> int:
     """The station at which a vessel leaves its parent, whose lumen is wide.
 
     A throat at the ostium may lie within the parent's sphere, and is this vessel's all the same.

@@ -49,7 +49,9 @@ def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
 
 
 def outlets_of(tree: Centerline) -> Indices:
-    """To how many ends of the vessel every point of a tree leads, of limbs where they meet it."""
+    """The number of ends of the vessel to which every point of a tree leads; limbs where they meet
+    it.
+    """
     ends = np.setdiff1d(tree.leaves, tree.loops[:, 0])
     ways = [tree.ancestry(int(leaf)) for leaf in ends]
     found: Indices = np.bincount(np.concatenate(ways), minlength=len(tree.points))
@@ -123,7 +125,7 @@ class LinesFromAxis:
         self._from_axis = along.query(self._points, distance_upper_bound=beside)[0]
 
     def leaving(self, distance: float, place: Floats, near: float) -> Iterator[Line]:
-        """Those that may come near a place, each from where it leaves the axis for good, mm.
+        """The lines that may come near a place, each from where it leaves the axis for good, mm.
 
         Those to most outlets come first; of those along the same points there, one.
         """

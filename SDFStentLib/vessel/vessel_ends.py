@@ -26,7 +26,7 @@ class VesselEnd(NamedTuple):
     center: Points
     """(3,) of its rim, mm."""
     radius: float
-    """Of the circle with the area of the end, mm."""
+    """The radius of the circle with the area of the end, mm."""
     rim: Indices
     """Edges (k, 2) of the surface around it, in the direction of the wall's faces."""
     faces: Indices

@@ -28,14 +28,14 @@ class VesselParts(NamedTuple):
     ids: Indices
     """(m,) of the parts of the surface, by triangle."""
     names: Mapping[int, str]
-    """Of the parts that have one."""
+    """The names of the parts that have one."""
     caps: frozenset[int]
     """The parts that are flat caps; all others are wall."""
     openings: Points
     """(k, 3) middles of flat caps and open ends, mm."""
     branch_names: tuple[str, ...]
     units: str = "mm"
-    """Of the file of the surface, in which places are told, too."""
+    """The unit of the file of the surface, in which places are told, too."""
 
     def branch_name(self, place: Location) -> str:
         """The name of the branch of the centerline at a place."""

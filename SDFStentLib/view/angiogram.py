@@ -18,8 +18,9 @@ from .arm import ArmView
 from .rays import Beam, path_lengths
 
 ATTENUATION = 0.112
-"""By contrast medium, 1/mm: 22.4 cm^2/g, iodine at 40 keV, times 50 mg/mL of it, the most in the
-phantom vessels of Gkanatsios et al., Med Phys 2002. It only sets how dark pictures are."""
+"""The attenuation by contrast medium, 1/mm: 22.4 cm^2/g, iodine at 40 keV, times 50 mg/mL of it,
+the most in the phantom vessels of Gkanatsios et al., Med Phys 2002. It only sets how dark pictures
+are."""
 
 PIXELS = 512
 """Rows and columns of a picture."""

@@ -32,7 +32,7 @@ class ArmView(NamedTuple):
 
     @property
     def words(self) -> str:
-        """As it is said in the laboratory, to a degree."""
+        """The angles in the words of the laboratory, to a degree."""
         sides = (("LAO", "RAO"), self.primary), (("CRA", "CAU"), self.secondary)
         return ", ".join(f"{names[round(at) < 0]} {abs(round(at))}" for names, at in sides)
 

@@ -57,7 +57,7 @@ class ViewMap:
     ostia_covered: Floats
     seen: Floats
     is_reached: Flags
-    """Within the limits of the arm."""
+    """Whether it is within the limits of the arm."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ class SeenStenosis(NamedTuple):
     width: float
     """The smallest, mm at the isocenter."""
     reference: float
-    """Of healthy vessel there, mm."""
+    """The width of healthy vessel there, mm."""
 
 
 def seen_stenosis(lesion: Lesion, after: Lesion, tree: Centerline, toward: Floats) -> SeenStenosis:
@@ -61,7 +61,7 @@ class LesionSections:
     tree: Centerline
 
     def seen(self, toward: Floats) -> SeenStenosis:
-        """From a direction (3,), a unit vector toward the detector."""
+        """The stenosis seen from a direction (3,), a unit vector toward the detector."""
         ratios = [_healthy_width(one, toward) / diameter for diameter, one in self._healthy]
         known = [ratio for ratio in ratios if np.isfinite(ratio)]
         if not known or self._own is None:
@@ -92,7 +92,7 @@ class LesionSections:
 
     @cached_property
     def _healthy(self) -> list[tuple[float, Sections | None]]:
-        """At the healthy places: the diameter, and the sections there."""
+        """The diameter at the healthy places, and the sections there."""
         lesion = self.lesion
         sides = [side for side in (lesion.proximal, lesion.distal) if side is not None]
         return [(one.diameter, _healthy_sections(lesion.surface, self.tree, one)) for one in sides]
@@ -104,10 +104,13 @@ class Sections(NamedTuple):
     ways: Floats
     """(k, 3) directions of the axis there."""
     outlines: tuple[Points | None, ...]
-    """Of each section; None where no closed one of the vessel alone lies round the axis."""
+    """The outline of each section; None where no closed one of the vessel alone lies round the
+    axis."""
 
     def widths(self, toward: Floats) -> Floats:
-        """In the picture from a direction (3,), across the axis, mm (k,); NaN without a section."""
+        """Widths in the picture from a direction (3,), across the axis, mm (k,); NaN without a
+        section.
+        """
         pairs = zip(self.ways, self.outlines, strict=True)
         return np.array([_width(outline, way, toward) for way, outline in pairs])
 

@@ -47,7 +47,7 @@ class Target(NamedTuple):
     weights: Floats
     """(n,) how much each counts; they add up to 1, or are none."""
     area: float = 0.0
-    """Of all of it in a picture from the side, mm^2."""
+    """The area of all of it in a picture from the side, mm^2."""
 
 
 def spheres_of(tree: Centerline) -> Spheres:

@@ -51,10 +51,10 @@ class ViewWishes:
 
     @property
     def limits(self) -> ArmLimits:
-        """Of the arm."""
+        """The limits of the arm."""
         return arm_limits(self.lao_rao, self.cra_cau, self.table)
 
     @property
     def view(self) -> ArmView | None:
-        """That is told, too."""
+        """The view that is told, too."""
         return None if self.lao is None or self.cra is None else ArmView(self.lao, self.cra)

@@ -64,7 +64,7 @@ class Until(NamedTuple):
     """(n,) or one for all: a center stays, too, when its sphere is larger than this, mm."""
 
     def at(self, which: Indices | slice) -> Until:
-        """That of some spheres."""
+        """The ends of the searches for some spheres."""
         enough = np.asarray(self.enough)
         return self._replace(enough=enough[which]) if enough.ndim else self
 

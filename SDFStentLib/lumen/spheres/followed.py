@@ -24,7 +24,7 @@ _DIAMETERS, _MORE = 0.75, 3.0
 than the vessel reaches wall that no sphere touched before it."""
 
 _STEPS = 5
-"""Of a climb; with more of them radii change by less than a percent."""
+"""Steps of a climb; with more of them radii change by less than a percent."""
 
 _FIRST, _LEAST, _MOST = 0.25, 0.005, 0.5
 """Half width of the box of a step, over the radius: the first one, and between what it stays."""

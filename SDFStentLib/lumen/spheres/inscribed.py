@@ -26,8 +26,8 @@ from .local_surface import LocalSurface
 from .neighbors import are_stuck, rooms
 
 _TRIANGLES = 1 << 21
-"""Of the spheres that are searched together, about: bounds the memory, some 100 MB. The fewer parts
-the better: every step of a climb costs something, for however few stations."""
+"""The most triangles of the spheres that are searched together, about: bounds the memory, some 100
+MB. The fewer parts the better: every step of a climb costs something, for however few stations."""
 
 _GLANCES = 30
 """Steps of a look from one sphere to another, each as long as the wall is away."""

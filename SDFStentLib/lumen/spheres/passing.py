@@ -17,7 +17,7 @@ from .local_surface import LocalSurface
 from .own import CENTERED, largest_in_disks
 
 _CELLS = 4
-"""Of the grid along a radius of the throat."""
+"""Cells of the grid along a radius of the throat."""
 
 _MOST = 24
 """Cells along an edge of the grid at most; wider ones where its ends are farther apart."""

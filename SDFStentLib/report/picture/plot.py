@@ -29,11 +29,11 @@ _CURVES = (
     ("equivalent_after_mm", "after, equivalent", _AFTER, (2, 4), 1.6),
     ("prescribed_mm", "prescribed", _PRESCRIBED, (9, 5), 1.5),
 )
-"""In the order of the legend, two in a column."""
+"""Curves in the order of the legend, two in a column."""
 
 
 AS_WIDE = 0.97
-"""Of what was prescribed: more than that is told as reached."""
+"""The part of what was prescribed from which on it is told as reached."""
 
 SPHERE_HELD = (
     "Where the stent widens the sphere is held by the narrower wall beside it: smaller than "
@@ -44,7 +44,7 @@ FROM_STENT = "position from the proximal end of the stent, proximal to distal (m
 FROM_INLET = "along the centerline, from the inlet (mm)"
 
 _SIDEWAYS = (0, -70, 70)
-"""By how much words may be moved off what lies under them, pixels."""
+"""Offsets by which words may be moved off what lies under them, pixels."""
 
 
 def stent_plot(document: Mapping[str, Any], stent: Mapping[str, Any]) -> Drawing | None:

@@ -14,7 +14,7 @@ from ...validation import Floats, Points, Triangles
 from .view import Viewpoint
 
 WALL_COLOR = (0.84, 0.42, 0.36)
-"""Of the vessel: a warm tissue red."""
+"""The color of the vessel: a warm tissue red."""
 
 DIAMETER_COLORS = np.array(
     [
@@ -35,13 +35,13 @@ class Panel(NamedTuple):
     """A surface, mm, in a view, with color and opacity (n, 4) of its points, 0 to 1."""
 
     column: int
-    """Of the picture, 0 for the left one."""
+    """The column of the picture, 0 for the left one."""
     view: Viewpoint
     points: Points
     triangles: Triangles
     colors: Floats
     struts: tuple[Floats, ...] = ()
-    """Of every stent in it, (m, p, 3) mm."""
+    """Struts of every stent in it, (m, p, 3) mm."""
 
 
 def panel_of(
@@ -62,7 +62,7 @@ class Lumen(NamedTuple):
 
     @property
     def narrowest(self) -> float:
-        """Where it was narrowest before: arc length, mm."""
+        """Arc length of the place where it was narrowest before, mm."""
         return float(self.arc_length[np.argmin(self.diameters[0])])
 
     def at(self, arc_length: float) -> Floats:

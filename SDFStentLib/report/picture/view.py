@@ -11,7 +11,7 @@ from ...geometry import Line, across
 from ...validation import Floats, Points
 
 WIDTH, HEIGHT = 1200, 700
-"""Of a picture of two panels, pixels."""
+"""The size of a picture of two panels, pixels."""
 
 PANEL_WIDTH = WIDTH // 2
 """pixels."""

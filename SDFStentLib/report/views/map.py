@@ -16,7 +16,7 @@ LEVELS = (0.1, 0.2, 0.4)
 chosen by eye had at most (Green et al., Catheter Cardiovasc Interv 2005: 0 to 50 %)."""
 
 LINE, COVER = "#08519c", (179, 88, 6)
-"""Of the lines, and of what is covered."""
+"""Colors of the lines, and of what is covered."""
 
 
 def map_marks(told: ToldViews, left: float, top: float, width: float) -> list[Mark]:
@@ -42,7 +42,7 @@ def map_marks(told: ToldViews, left: float, top: float, width: float) -> list[Ma
 
 
 def map_height(told: ToldViews, width: float) -> int:
-    """Of the map and the words below it."""
+    """The height of the map and the words below it."""
     grid = told.found.map
     return int(width * len(grid.secondary) / len(grid.primary)) + 112
 
@@ -73,7 +73,7 @@ def _cells(grid: ViewMap, left: float, top: float, step: float) -> Iterator[Mark
 
 
 def _color(share: float) -> str:
-    """From white to brown."""
+    """The color of a share, from white to brown."""
     mixed = (255 + share * (np.array(COVER) - 255)).astype(int).tolist()
     return "#" + bytes(mixed).hex()
 

@@ -21,7 +21,7 @@ from .film import scale_length, shot
 from .map import map_height, map_marks
 
 SIDE, GAP, TOP = 440, 24, 84
-"""Of a picture, between pictures, and above them, pixels."""
+"""Sizes of a picture, between pictures, and above them, pixels."""
 
 MAP, ROOM = 700, 60
 """Width of the map where it stands alone, and room for its angles beside it, pixels."""
