@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..cautions import Caution
-from ..geometry import Precision, Surface, Topology, as_surface, state_of
+from ..geometry import Precision, Surface, as_surface, state_of
 from ..validation import Indices, InputError, read_only
 from .comparison import Comparison, Verdict
 from .face_quality import Slivers
-from .fitness import Fitness, fitness_after
+from .fitness import Fitness, JudgedSurface, fitness_after
 from .promises import LumenCheck, MotionCheck, lumen_in_words
 from .spots import FaultSpot, faults_in_words
 
@@ -39,7 +39,7 @@ def said_of(word: str) -> str:
 
 
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(JudgedSurface):
     """The findings of `certify`.
 
     Attributes
@@ -95,21 +95,6 @@ class Certificate:
         if not self.topology.is_closed:
             return CERTIFIED_OPEN
         return CERTIFIED_IN_PIECES if self.topology.unshared_points else CERTIFIED
-
-    @property
-    def topology(self) -> Topology:
-        """The topology, which is that of the input."""
-        return self.fitness.topology
-
-    @property
-    def is_watertight(self) -> bool:
-        """Whether it is closed and manifold without merging any points first."""
-        return self.topology.is_watertight and not self.topology.unshared_points
-
-    @property
-    def is_manifold(self) -> bool:
-        """Whether it has at most two faces at every edge and one fan at every vertex."""
-        return self.topology.is_manifold
 
     def sentence(self, units: str = "mm") -> str:
         """The finding in one sentence for the person who will use the surface.

@@ -118,6 +118,27 @@ class Fitness:
         return [f"it is {shape.in_words()}{winding}, as before"]
 
 
+class JudgedSurface:
+    """The topology of a surface whose fitness is known."""
+
+    fitness: Fitness
+
+    @property
+    def topology(self) -> Topology:
+        """The topology: closed, manifold, consistently wound, two-sided, boundary edges, parts."""
+        return self.fitness.topology
+
+    @property
+    def is_watertight(self) -> bool:
+        """Whether it is closed and manifold without merging any points first."""
+        return self.topology.is_watertight and not self.topology.unshared_points
+
+    @property
+    def is_manifold(self) -> bool:
+        """Whether it has at most two faces at every edge and one fan at every vertex."""
+        return self.topology.is_manifold
+
+
 def fitness_of(surface: Surface, precision: Precision) -> Fitness:
     """Fitness of a surface as it would be stored, with everything that is `whole` of it."""
     surface = surface.whole

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from ..cautions import Caution
-from ..geometry import Precision, Surface, Topology, as_surface
+from ..geometry import Precision, Surface, as_surface
 from ..validation import Indices, read_only
 from .face_quality import Slivers, degenerate_triangles, slivers_among
-from .fitness import Fitness, fitness_of
+from .fitness import Fitness, JudgedSurface, fitness_of
 from .spots import FaultSpot
 
 
 @dataclass(frozen=True)
-class SurfaceCheck:
+class SurfaceCheck(JudgedSurface):
     """The findings of `check_surface`.
 
     Attributes
@@ -29,21 +29,6 @@ class SurfaceCheck:
 
     fitness: Fitness
     slivers: Slivers
-
-    @property
-    def topology(self) -> Topology:
-        """The topology: closed, manifold, consistently wound, two-sided, boundary edges, parts."""
-        return self.fitness.topology
-
-    @property
-    def is_watertight(self) -> bool:
-        """Whether it is closed and manifold without merging any points first."""
-        return self.topology.is_watertight and not self.topology.unshared_points
-
-    @property
-    def is_manifold(self) -> bool:
-        """Whether it has at most two faces at every edge and one fan at every vertex."""
-        return self.topology.is_manifold
 
     @property
     def is_outward(self) -> bool:
