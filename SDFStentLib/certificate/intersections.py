@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import boundary_edges, compacted, connected, may_meet_box
+from ..geometry import boundary_edges, compacted, connected, may_meet_box, used_points
 from ..validation import Flags, Floats, Indices, InputError, Points, Triangles
 from .triangle_contact import certain_contact, exact_contact, first_shared
 from .triangle_pairs import face_boxes, overlapping_pairs
@@ -62,7 +62,7 @@ class Seams:
     @cached_property
     def _joined(self) -> Indices:
         """A number for every point of the near triangles, the same for points that are one."""
-        used = np.unique(self._triangles[self._near])
+        used = used_points(self._triangles[self._near])
         return _joined_points(self._points, self._triangles)[used]
 
 

@@ -118,7 +118,7 @@ def check_surface(surface: Surface, *, precision: Precision | None = None) -> Su
     """
     surface, precision = as_surface(surface).whole, precision or Precision()
     points, triangles = precision.stored(surface.points), surface.triangles
-    others = np.setdiff1d(np.arange(len(triangles)), degenerate_triangles(points, triangles))
+    others = np.delete(np.arange(len(triangles)), degenerate_triangles(points, triangles))
     slivers = slivers_among(points / precision.scale, triangles, others)
     fitness = fitness_of(surface, precision)
     given = surface.given_numbers(slivers.triangles)

@@ -13,7 +13,7 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 
 from ..cautions import Caution
-from ..geometry import NamedFaces, Surface, dot, face_normals, vertex_normals
+from ..geometry import NamedFaces, Surface, dot, face_normals, used_points, vertex_normals
 from ..surface_formats import WRITTEN_SUFFIXES
 from ..units import Frame, millimeters_per
 from ..validation import (
@@ -245,7 +245,7 @@ def refresh_normals(
         for rows in cell_normals:
             _turn(rows, changed, before, after)
     if point_normals and len(changed):
-        touched = np.unique(triangles[changed])
+        touched = used_points(triangles[changed])
         is_touched = np.zeros(len(old_points), dtype=bool)
         is_touched[touched] = True
         around = triangles[is_touched[triangles].any(axis=1)]

@@ -47,6 +47,7 @@ from .rows import dot as dot
 from .rows import norm as norm
 from .rows import product as product
 from .rows import ranges as ranges
+from .rows import used_points as used_points
 from .seams import twins as twins
 from .section import plane_section as plane_section
 from .smoothing import smooth_minimum as smooth_minimum

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..validation import Floats, Indices, Points, Triangles
 from .near_balls import Balls
-from .rows import dot, norm
+from .rows import dot, norm, used_points
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -151,7 +151,7 @@ def _between_walls(
     from scipy.sparse import coo_array, diags_array
     from scipy.spatial import cKDTree
 
-    used = np.unique(triangles)
+    used = used_points(triangles)
     tree = cKDTree(points[used])
     foot = weights @ points
     away = queries - foot

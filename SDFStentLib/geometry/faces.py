@@ -23,6 +23,7 @@ from ..validation import (
     one_line,
     read_only,
 )
+from .rows import used_points
 from .topology import consistently_wound, edges
 
 NO_HEIGHT = 1e-4
@@ -127,9 +128,7 @@ def may_meet_box(points: Points, triangles: Triangles, low: Floats, high: Floats
 
 def compacted(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:
     """Only the points that some triangles use, in their order, and the triangles in new numbers."""
-    is_used = np.zeros(len(points), dtype=bool)
-    is_used[triangles] = True
-    used = np.flatnonzero(is_used)
+    used = used_points(triangles)
     number = np.empty(len(points), dtype=np.int64)
     number[used] = np.arange(len(used))
     return points.take(used, axis=0), number.take(triangles)

@@ -163,7 +163,7 @@ def _divided(
             pieces = _pieces(half, points)
             parts += pieces
             sources += [number] * len(pieces)
-    kept = np.setdiff1d(np.arange(len(triangles)), section.triangles)
+    kept = np.delete(np.arange(len(triangles)), section.triangles)
     divided = np.vstack([triangles[kept], np.array(parts, dtype=np.int64).reshape(-1, 3)])
     on_rim = np.zeros(len(points), dtype=bool)
     on_rim[divided[len(kept) :]] = True

@@ -78,3 +78,11 @@ def ranges(first: Indices, counts: Indices) -> Indices:
     """`first[i], first[i] + 1, ...` (`counts[i]` of them) for every i, one after the other."""
     ends = np.cumsum(counts)
     return np.arange(ends[-1] if len(ends) else 0) + np.repeat(first - ends + counts, counts)
+
+
+def used_points(triangles: Indices) -> Indices:
+    """Numbers (k,) of the points that some triangles (m, 3) use, in ascending order."""
+    # NumPy 2.3 to 2.4 take a hundred times longer for `unique` of many numbers that differ.
+    is_used = np.zeros(int(triangles.max(initial=-1)) + 1, dtype=bool)
+    is_used[triangles] = True
+    return np.flatnonzero(is_used)

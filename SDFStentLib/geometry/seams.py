@@ -16,7 +16,7 @@ from ..validation import Flags, Indices, Points, Triangles, read_only
 from .closing import Closing, closing
 from .distance import following_weights
 from .fans import connected
-from .rows import dot
+from .rows import dot, used_points
 from .topology import (
     Topology,
     VertexNeighbors,
@@ -91,8 +91,8 @@ class Triangulation:
         mesh = self._of(self.triangles[kept], kept if self.cells is None else self.cells[kept])
         mesh.islands = read_only(self.triangles[is_island])
         if is_apart.any():
-            wall = _used(mesh.triangles, self.point_count)
-            own = np.setdiff1d(_used(self.triangles[is_apart], self.point_count), wall)
+            wall = used_points(mesh.triangles)
+            own = np.setdiff1d(used_points(self.triangles[is_apart]), wall)
             mesh.followers = read_only(own)
             mesh.weights = following_weights(points, mesh.triangles, points[own])
         return mesh
@@ -145,7 +145,7 @@ def joined(points: Points, triangles: Triangles, given: Triangles | None = None)
     given : (k, 3) array, optional
         More triangles whose points may be copies, but which are no part of the surface.
     """
-    used = _used(triangles if given is None else given, len(points))
+    used = used_points(triangles if given is None else given)
     twin = twins(points, used)
     is_wall = ~_come_again(triangles)
     if twin is None:
@@ -158,7 +158,7 @@ def joined(points: Points, triangles: Triangles, given: Triangles | None = None)
     is_wall &= ~_in_parts_on_others(closed, is_wall, twin)
     # The first point of the wall at each place; where walls touch there are more.
     at = np.full(len(points), -1, dtype=np.int64)
-    wall = _used(closed[is_wall], len(points))[::-1]
+    wall = used_points(closed[is_wall])[::-1]
     at[twin[wall]] = wall
     is_joined = first != np.arange(len(points))
     originals = np.where(is_joined, first, at[twin])
@@ -185,12 +185,6 @@ def twins(points: Points, among: Indices) -> Indices | None:
     twin = np.arange(len(points))
     twin[among[order]] = among[first]
     return twin
-
-
-def _used(triangles: Triangles, count: int) -> Indices:
-    is_used = np.zeros(count, dtype=bool)
-    is_used[triangles] = True
-    return np.flatnonzero(is_used)
 
 
 def _come_again(triangles: Triangles) -> Flags:

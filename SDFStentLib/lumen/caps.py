@@ -23,6 +23,7 @@ from ..geometry import (
     may_meet_box,
     paired_sides,
     product,
+    used_points,
 )
 from ..validation import Flags, Floats, Place, Points, Triangles, as_place
 from .ends import Spot, are_ends, spot
@@ -182,7 +183,7 @@ def wall_of(surface: Surface) -> Triangles:
 def off_caps(surface: Surface) -> Points:
     """The points (n, 3), mm, of the triangles that do not belong to a flat cap; all points if there
     is no such triangle."""
-    used = np.unique(wall_of(surface))
+    used = used_points(wall_of(surface))
     return surface.points[used] if len(used) else surface.points
 
 

@@ -11,7 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import across, bits, compacted, connected, dot, may_meet_box, product
+from ..geometry import (
+    across,
+    bits,
+    compacted,
+    connected,
+    dot,
+    may_meet_box,
+    product,
+    used_points,
+)
 from ..validation import Flags, Floats, Indices, Points, Triangles
 
 _PAIRS = 1 << 21
@@ -131,7 +140,7 @@ def section_loops(
     for first in range(0, len(centers), _FEW):
         few = slice(first, first + _FEW)
         wall = _near_triangles(points, triangles, centers[few])
-        kept = np.unique(wall)
+        kept = used_points(wall)
         near = points.take(kept, axis=0), np.searchsorted(kept, wall)
         cuts = _cuts(*near, centers[few], normals[few])
         loops = _loops(cuts, min(_FEW, len(centers) - first))

@@ -6,16 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..certificate import self_intersecting_triangles
 from ..geometry import (
     Surface,
     compacted,
     component_labels,
     dot,
     edges,
+    faces_at,
     oriented_triangles,
     signed_volume,
+    used_points,
 )
-from ..validation import Floats, Points, Triangles
+from ..validation import Floats, Indices, Points, Triangles
 from .labelmap import Grid
 
 OFF = 0.2
@@ -33,6 +36,10 @@ BULGE = 1 / 3
 triangles, and not their corners, then lie on a round wall. Of equilateral triangles with sides a on
 a sphere of radius R, middles lie a^2 / (6 R) within it, and the middle of a corner's neighbors a^2
 / (2 R) below that."""
+
+
+LEAST = 0.1
+"""Share of its way below which a point goes back altogether."""
 
 
 class _Field(NamedTuple):
@@ -71,21 +78,39 @@ def contoured(field: Grid, spacing: Floats) -> Surface:
     from scipy.ndimage import spline_filter
 
     voxel = float(spacing.min())
-    points, triangles = _flying_edges(_off_zero(field, OFF * voxel), spacing)
+    sound, triangles = _flying_edges(_off_zero(field, OFF * voxel), spacing)
     slopes = np.gradient(field, *spacing)
     smooth = _Field(
         spline_filter(field, order=2, output=np.float32),
         tuple(spline_filter(slope, order=2, output=np.float32) for slope in slopes),
         spacing,
     )
-    points, normals = _onto(points, smooth, voxel)
+    points, normals = _onto(sound, smooth, voxel)
     links = edges(triangles).vertices
     for _ in range(ROUNDS):
         points = points - PART * _along(_off_middle(points, links), normals)
         points, normals = _onto(points, smooth, voxel)
     off = _off_middle(points, links)
     points = points + BULGE * (off - _along(off, normals))
+    points = unfolded(points, sound, triangles, links)
     return Surface(points, oriented_triangles(points, triangles))
+
+
+def unfolded(points: Points, sound: Points, triangles: Triangles, links: Indices) -> Points:
+    """The points, those of triangles that intersect each other halfway back to where none do, again
+    and again, with their neighbors: in a narrow cleft one wall may go through the other."""
+    share, among = np.ones(len(points)), None
+    # Ends: a point is back after some halves, and triangles of such points do not intersect.
+    while True:
+        found = sound + share[:, None] * (points - sound)
+        folded = used_points(triangles[self_intersecting_triangles(found, triangles, among)])
+        if not share[folded].any():
+            return found
+        is_near = np.zeros(len(points), dtype=bool)
+        is_near[folded] = True
+        is_near[links[is_near[links].any(axis=1)]] = True
+        share[is_near] *= np.where(share[is_near] > LEAST, 0.5, 0.0)
+        among = faces_at(is_near, triangles)
 
 
 def _off_zero(field: Grid, least: float) -> Grid:

@@ -18,7 +18,7 @@ from ..segment import (
     segment_between,
     with_inlets,
 )
-from ..validation import Floats, InputError, Points
+from ..validation import Floats, Indices, InputError, Points
 from ..vessel import vessel_parts
 
 WITHIN = 0.5
@@ -57,6 +57,8 @@ class RoundEnd(NamedTuple):
 
     line: Line
     """The line from the end inward, to the next junction."""
+    numbers: Indices
+    """(n,) its points in the tree."""
     radius: float
     border: Border | None
     """The border that cuts it off."""
@@ -67,8 +69,8 @@ class FlatEnds(NamedTuple):
 
     segment: Segment
     """Its inlet comes first of its faces."""
-    left: tuple[RoundEnd, ...]
-    """Ends that no plane cuts from one vessel alone: they stay as they are."""
+    planes: tuple[CutPlane | None, ...]
+    """The plane of each end; where none cuts one vessel alone the end stays as it is."""
 
 
 def round_ends_of(tree: Centerline, borders: Sequence[Border]) -> list[RoundEnd]:
@@ -79,10 +81,11 @@ def round_ends_of(tree: Centerline, borders: Sequence[Border]) -> list[RoundEnd]
     found = []
     for tip in tips:
         branch, side = branches[tip]
-        points = tree.points[branch if side == 0 else branch[::-1]]
+        numbers = branch if side == 0 else branch[::-1]
+        points = tree.points[numbers]
         radius = float(tree.inscribed_radius[tip])
         cuts = [one for one in borders if one.beyond(points[0]) > -radius]
-        found.append(RoundEnd(Line(points), radius, cuts[0] if cuts else None))
+        found.append(RoundEnd(Line(points), numbers, radius, cuts[0] if cuts else None))
     return found
 
 
@@ -109,7 +112,6 @@ def flat_ends(
     finder = PlaneFinder(parts)
     planes = [_plane(finder, end) for end in ends]
     cut = [plane for plane in planes if plane is not None]
-    left = tuple(end for end, plane in zip(ends, planes, strict=True) if plane is None)
     if len(cut) < 2:
         raise InputError(
             f"segmentation: expected a vessel with two ends or more that a plane cuts off across, "
@@ -124,7 +126,7 @@ def flat_ends(
     numbered = [replace(plane, name=str(number)) for number, plane in enumerate(ordered)]
     segment = closed_segment(segment_between(parts, numbered))
     name = next(face.name for face in segment.faces if face.said == "0")
-    return FlatEnds(replace(segment, faces=with_inlets(segment.faces, [name])), left)
+    return FlatEnds(replace(segment, faces=with_inlets(segment.faces, [name])), tuple(planes))
 
 
 def _named(ends: Sequence[RoundEnd], planes: Sequence[CutPlane | None], inlet: Points) -> int:

@@ -14,7 +14,8 @@ from ..geometry import NamedFaces, Surface
 from ..treatment import extract_centerline
 from ..validation import DeploymentError, Floats, Points, as_place
 from .contour import contoured, largest_part
-from .ends import Border, FlatEnds, flat_ends, round_ends_of
+from .cut_lines import lines_between
+from .ends import Border, RoundEnd, flat_ends, round_ends_of
 from .labelmap import AROUND, Labelmap, LabelPiece, largest_piece
 from .wall_distance import wall_distance
 
@@ -111,7 +112,8 @@ def prepared_vessel(labelmap: Labelmap, inlet: Points | None = None) -> Prepared
     segment = made.segment
     wall = _sound(_in_patient(part, segment.surface))
     caps = [face for face in segment.faces if face.kind != "wall"]
-    lines = extract_centerline(segment.surface, caps[0].center)
+    middles = np.array([face.center for face in caps])
+    points, each, radii = lines_between(tree, ends, made.planes, middles)
     flat = [
         PreparedEnd(
             face.name,
@@ -122,14 +124,14 @@ def prepared_vessel(labelmap: Labelmap, inlet: Points | None = None) -> Prepared
         )
         for face in caps
     ]
-    points, each, radii = lines.lines
+    dead = [end for end, plane in zip(ends, made.planes, strict=True) if plane is None]
     return PreparedVessel(
         wall,
         segment.named_faces,
         ExtractedLines(part.in_patient(points), each, radii),
         tuple(flat),
         labelmap.spacing,
-        (*_of_label(piece, flat), *_moved(part, lines.warnings), *_of_ends(part, made)),
+        (*_of_label(piece, flat), *_moved(part, found.warnings), *_of_ends(part, dead)),
     )
 
 
@@ -206,8 +208,8 @@ def _of_label(piece: LabelPiece, ends: Sequence[PreparedEnd]) -> list[Caution]:
     return found
 
 
-def _of_ends(part: Labelmap, made: FlatEnds) -> list[Caution]:
-    places = [part.in_patient(end.line.points[:1])[0] for end in made.left]
+def _of_ends(part: Labelmap, dead: Sequence[RoundEnd]) -> list[Caution]:
+    places = [part.in_patient(end.line.points[:1])[0] for end in dead]
     return [Caution("dead-end", {}, as_place(place)) for place in places]
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Location
-from ..geometry import Line, SectionAround, across, norm, product, section_around
+from ..geometry import Line, SectionAround, across, norm, product, section_around, used_points
 from ..validation import Floats, InputError, Points, read_only
 from ..vessel import VesselParts
 
@@ -73,7 +73,7 @@ class PlaneFinder:
         self.points, self.triangles = vessel.surface.points, vessel.surface.triangles
         self.is_cap = np.isin(vessel.ids, list(vessel.caps))
         self.axis = vessel.tree.resampled(SPACING)
-        self.wall = cKDTree(self.points[np.unique(self.triangles[~self.is_cap])])
+        self.wall = cKDTree(self.points[used_points(self.triangles[~self.is_cap])])
         self.reach = self.wall.query(self.axis.points)[0]
 
     def check_inside(self, way: Line, place: Location, word: str) -> None:
