@@ -61,9 +61,12 @@ class Kept(NamedTuple):
 
 
 def at_hand_of(widget: Any) -> dict[str, Any]:
-    """The few lines of text over the view, and their kind."""
+    """The few lines of text over the view, from where one looks, and the kind of the first."""
     shown = widget._state.atHand
-    return {"lines": shown.text.split("\n") if shown.text else [], "kind": shown.kind}
+    rows = {"lines": shown.text, "angles": shown.angles}
+    return {name: text.split("\n") if text else [] for name, text in rows.items()} | {
+        "kind": shown.kind
+    }
 
 
 def tiles_of(parameters: Any) -> list[dict[str, Any]]:

@@ -82,7 +82,7 @@ def _begin(page: Any) -> None:
     state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS))
     state.centerlineFiles = page.folders.listing(CENTERLINES)
     state.plot, state.table = plot_of(None), table_of(None)
-    state.atHand = {"lines": [], "kind": ""}
+    state.atHand = {"lines": [], "angles": [], "kind": ""}
     state.tiles = []
     state.pointed = None
     state.client_only("pointed")

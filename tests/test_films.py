@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from SDFStentLib.report import Sight, stent_stretch
+from SDFStentLib.report import Sight, stent_stretch, view_axes, view_toward
 from SDFStentLib.validation import InputError
 from SDFStentLib.view import ArmView, ViewWishes
 
@@ -49,8 +49,8 @@ def test_struts_are_dark_where_they_are_in_the_picture(sight, result):
 def test_any_view_has_its_facts_and_any_direction_its_view(sight):
     facts = sight.facts_from(ArmView(30, -20))
     assert facts.value("foreshortening_percent") == pytest.approx(6.03, abs=0.01)  # 1 - cos 20
-    toward = ArmView(30, -20).axes("RAS")[2]
-    assert sight.view_toward(5 * toward) == pytest.approx((30, -20))
+    toward = view_axes(ArmView(30, -20), "RAS")[2]
+    assert view_toward(5 * toward, "RAS") == pytest.approx((30, -20))
     assert sight.told(ViewWishes()).facts[0].value("words") == "LAO 0, CRA 0"
 
 

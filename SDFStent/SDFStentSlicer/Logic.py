@@ -36,13 +36,24 @@ from .PlanFields import REMEDIES, SIZING
 from .Planning import Planning
 from .Portions import working
 from .Previewing import Previewing
+from .Sighting import Sighting
 from .Snapping import Snapping
 from .Suggesting import Suggesting
 from .SurfaceOutput import ShownResult
 
 
 class SDFStentLogic(
-    *(Planning, Fitting, Suggesting, Alternatives, Removing, Segments, Exporting, ParameterSets),
+    *(
+        Planning,
+        Fitting,
+        Suggesting,
+        Alternatives,
+        Removing,
+        Segments,
+        Exporting,
+        Sighting,
+        ParameterSets,
+    ),
     ScriptedLoadableModuleLogic,
 ):
     """Deploys the stents of a parameter node.

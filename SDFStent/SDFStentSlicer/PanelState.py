@@ -111,10 +111,15 @@ def _inRows(text):
 
 
 class AtHand:
-    """Shows lines in all 3D views. `text` is what is shown, `kind` one of `COLORS`."""
+    """Shows lines in all 3D views. `text` is what is shown, `kind` one of `COLORS`; `angles` is from where one looks."""
 
     def __init__(self):
-        self.text, self.kind = "", PENDING
+        self.text, self.kind, self.angles = "", PENDING, ""
+
+    def showAngles(self, text):
+        """Show from where one looks, line by line, in another corner."""
+        self.angles = text
+        self.write()
 
     def show(self, text, instead="", isCaution=False):
         """Show lines; `instead` of the last what else is to be known of them, where something is.
@@ -133,16 +138,21 @@ class AtHand:
         for view in Showing.threeDViews():
             corner = view.cornerAnnotation()
             font, color = corner.GetTextProperty(), COLORS[self.kind]
-            shown = corner.GetText(vtkCornerAnnotation.UpperLeft) or ""
-            if shown == rows and (not shown or font.GetColor() == color):
+            texts = {
+                vtkCornerAnnotation.UpperLeft: rows,
+                vtkCornerAnnotation.UpperRight: self.angles,
+            }
+            isShown = all((corner.GetText(at) or "") == text for at, text in texts.items())
+            if isShown and (not any(texts.values()) or font.GetColor() == color):
                 continue
             corner.SetMaximumFontSize(LARGEST_FONT)
-            corner.SetText(vtkCornerAnnotation.UpperLeft, rows)
+            for at, text in texts.items():
+                corner.SetText(at, text)
             font.SetColor(*color)
             font.BoldOn()  # thin letters are hard to read from where an operator stands
             font.ShadowOff()
             font.SetBackgroundColor(*BACKGROUND)
-            font.SetBackgroundOpacity(1.0 if self.text else 0.0)
+            font.SetBackgroundOpacity(1.0 if self.text or self.angles else 0.0)
             view.scheduleRender()
 
 

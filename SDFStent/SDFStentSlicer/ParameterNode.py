@@ -122,6 +122,7 @@ class SDFStentParameterNode:
         vtkMRMLMarkupsFiducialNode, vtkMRMLMarkupsLineNode, vtkMRMLMarkupsCurveNode, None
     ]
     closeBranches: bool = False
+    showXray: bool = False
 
     outputVessel: Optional[vtkMRMLModelNode]
     outputCenterline: Optional[vtkMRMLModelNode]

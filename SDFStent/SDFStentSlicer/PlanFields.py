@@ -229,7 +229,7 @@ FLOW = {
     "flowBsa": PlanField("flow.bsa", none=0.0),
     "flowUnusual": PlanField("flow.unusual", none=False),
 }
-DEFAULTS = {"settings": Plan().method, "stents": [], "flow": None, "inputs": {}}
+DEFAULTS = {"settings": Plan().method, "stents": [], "flow": None, "views": None, "inputs": {}}
 STENT_FIELDS = (*STENT, "handle")
 PATHS = {f"stents.selected.{one.path}": name for name, one in STENT.items()} | {
     one.path: name for name, one in {**METHOD, **FLOW}.items()

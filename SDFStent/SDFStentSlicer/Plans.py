@@ -23,6 +23,8 @@ from SDFStentLib.plan import (
     save_plan,
     stents_of,
     value_at,
+    views_entry,
+    views_of,
 )
 from SDFStentLib.validation import InputError, as_place
 
@@ -120,6 +122,7 @@ def planOf(parameterNode, stents=None, hasFiles=True):
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.get("settings.straightening_fraction"),
         flow=Flow.plannedFlow(parameterNode),
+        views=views_of(parameterNode.get("views")),
     )
     frame = "RAS" if surface is None else Conversion.fileFrame(vessel)
     return plan.marked(marksOf(parameterNode)).of_files(surface, centerline).in_frame(frame)
@@ -229,7 +232,8 @@ def _take(plan, path, parameterNode, former):
             kind = Placement.of(values["placement"])
             values["handle"] = _handleOf(kind, row.points, values["name"], own and own.handle)
     with slicer.util.NodeModify(parameterNode):
-        parameterNode.change({"settings": plan.method, "flow": flow})
+        views = views_entry(plan.views)
+        parameterNode.change({"settings": plan.method, "flow": flow, "views": views})
         setMarks(parameterNode, plan.marks)
         StentList(parameterNode).replace(stents, 0 if stents else -1)
 

@@ -32,6 +32,7 @@ from .StentList import StentList
 from .StentTable import StentTable
 from .TypedNumbers import TypedNumbers
 from .VesselSection import VesselSection
+from .ViewSection import ViewSection
 
 RECOIL_MS = 250
 """A stent has to rest so long for its recoil by the rule."""
@@ -107,6 +108,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
                 SegmentSection,
             )
         ]
+        self.sight = ViewSection(self.ui, self.logic, self._attempt, self._state.atHand.showAngles)
         self.views = RoomyViews(self.ui)
         self.ends = StentEnds(self.logic, self._isDeploying, self.session.letGo)
         self.window = LowWindow()
@@ -188,7 +190,8 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.plans.show(None)
         if parameterNode is None:
             self._state.atHand.show("")
-            self.ends.leave()
+            for section in (self.ends, self.sight):
+                section.leave()
         else:
             self._lastSet = parameterNode.parameterNode
             self.logic.markShown(parameterNode)
@@ -228,7 +231,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     def _showSections(self):
         self.logic.followLandmarks(self._parameterNode)
         self.logic.giveWay(self._parameterNode)
-        for section in (*self.sections, self.plans, self.views, self.ends):
+        for section in (*self.sections, self.plans, self.views, self.ends, self.sight):
             section.show(self._parameterNode)
 
     def onInputModified(self):

@@ -84,3 +84,5 @@ from .typed import object_schema as object_schema
 from .typed import or_null as or_null
 from .typed import to_document as to_document
 from .vessel_names import load_names as load_names
+from .views_entry import views_entry as views_entry
+from .views_entry import views_of as views_of

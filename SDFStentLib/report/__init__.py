@@ -78,6 +78,8 @@ from .views import known_frame as known_frame
 from .views import lesion_stretch as lesion_stretch
 from .views import planned_views as planned_views
 from .views import stent_stretch as stent_stretch
+from .views import view_axes as view_axes
+from .views import view_toward as view_toward
 from .views import views_document as views_document
 from .views import write_angiogram as write_angiogram
 from .views import write_views as write_views

@@ -36,6 +36,11 @@ class Beam(NamedTuple):
     reach: float | None = None
     """Only lumen within this distance of the isocenter counts, mm; None for all."""
 
+    @property
+    def side(self) -> float:
+        """Height of the picture at the isocenter, mm."""
+        return self.size[0] * self.pixel
+
     def flat(self, points: Points) -> Floats:
         """Where (n, 3) points are in the picture: (n, 2) columns and rows, from the left upper
         corner."""

@@ -18,3 +18,5 @@ from .planned import PlannedViews as PlannedViews
 from .planned import planned_views as planned_views
 from .planned import write_angiogram as write_angiogram
 from .sight import Sight as Sight
+from .sight import view_axes as view_axes
+from .sight import view_toward as view_toward

@@ -10,7 +10,7 @@ import numpy as np
 from ...geometry import Surface
 from ...units import Frame
 from ...validation import Floats, Points
-from ...view import SOURCE, Angiogram, ArmView, Gray, angiogram, beam_on
+from ...view import SOURCE, Angiogram, ArmView, Beam, Gray, angiogram, beam_on
 from .facts import Stretch
 
 METAL = 60
@@ -47,9 +47,19 @@ def shot(
     reach: float | None = None,
 ) -> Angiogram:
     """The angiogram of a wall about a stretch; source and reach as of `beam_on`."""
+    return angiogram(wall, view, beam_of(stretch, view, frame, source, reach))
+
+
+def beam_of(
+    stretch: Stretch,
+    view: ArmView,
+    frame: Frame,
+    source: float | None = SOURCE,
+    reach: float | None = None,
+) -> Beam:
+    """Its rays."""
     radius = float(np.nanmax(stretch.radii))
-    beam = beam_on(stretch.line, radius, view, frame, source=source, reach=reach)
-    return angiogram(wall, view, beam)
+    return beam_on(stretch.line, radius, view, frame, source=source, reach=reach)
 
 
 def film_of(
@@ -65,7 +75,7 @@ def film_of(
     bar = scale_length(1 / beam.pixel, size)
     long = round(bar / beam.pixel)
     gray[size - _EDGE - _BAR : size - _EDGE, size - _EDGE - long : size - _EDGE] = 0
-    return Film(gray, beam.isocenter, beam.axes, size * beam.pixel, bar)
+    return Film(gray, beam.isocenter, beam.axes, beam.side, bar)
 
 
 def scale_length(per_mm: float, room: float) -> int:

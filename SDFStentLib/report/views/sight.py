@@ -11,10 +11,19 @@ from ...geometry import Surface
 from ...treatment import Vessel
 from ...units import Frame
 from ...validation import Floats, InputError
-from ...view import ArmView, LesionSections, SeenView, Shown, ViewWishes, arm_view, working_views
+from ...view import (
+    ArmView,
+    Beam,
+    LesionSections,
+    SeenView,
+    Shown,
+    ViewWishes,
+    arm_view,
+    working_views,
+)
 from ..facts import Facts
 from .facts import BEST, SECOND, TYPED, WORST, Stenosis, Stretch, ToldViews, known_frame, view_facts
-from .film import Film, film_of
+from .film import Film, beam_of, film_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +60,12 @@ class Sight:
         """That of stretch and vessel."""
         return known_frame(self.known)
 
-    def told(self, wishes: ViewWishes, typed: Sequence[ArmView] = ()) -> ToldViews:
-        """The best views, the worst, that of the wishes, and any others.
+    def told(self, wishes: ViewWishes | None, typed: Sequence[ArmView] = ()) -> ToldViews:
+        """The best views, the worst, that of the wishes, and any others; as usual without wishes.
 
         `InputError` for a centerline without radii, or an arm that reaches no view.
         """
+        wishes = wishes or ViewWishes()
         found = working_views(self._shown, wishes.limits, wishes.apart)
         asked = tuple(self._shown.seen_from(one) for one in (wishes.view, *typed) if one)
         roles = ((BEST, found.best), (SECOND, found.second), (WORST, found.worst))
@@ -68,9 +78,9 @@ class Sight:
         """Those of any view; `InputError` for a centerline without radii."""
         return self._facts(TYPED, self._shown.seen_from(view))
 
-    def view_toward(self, toward: Floats) -> ArmView:
-        """That whose detector is in a direction (3,) of any length but zero."""
-        return arm_view(toward, self.frame)
+    def beam(self, view: ArmView) -> Beam:
+        """The rays of its angiogram, with their middle and how much is seen."""
+        return beam_of(self.stretch, view, self.frame)
 
     def film(self, wall: Surface, view: ArmView, struts: Sequence[Floats] = ()) -> Film:
         """The angiogram of a wall from there, with curves (m, p, 3) of stents, mm."""
@@ -106,3 +116,13 @@ class Sight:
     def _tree(self) -> Centerline:
         assert self.vessel.centerline is not None
         return self.vessel.centerline
+
+
+def view_toward(toward: Floats, frame: Frame) -> ArmView:
+    """The view whose detector is in a direction (3,) of any length but zero."""
+    return arm_view(toward, frame)
+
+
+def view_axes(view: ArmView, frame: Frame) -> Floats:
+    """(3, 3) right, up, and toward the detector of a view."""
+    return view.axes(frame)
