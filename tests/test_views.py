@@ -191,6 +191,28 @@ def test_the_best_view_is_across_the_vessel_and_free():
     assert found.best.seen >= found.map.seen[found.map.is_reached].max() - 0.011
 
 
+@pytest.mark.parametrize(("primary", "secondary"), [(30, 20), (-50, -15), (0, 40), (80, 0)])
+def test_a_bend_and_a_fork_are_best_seen_across_their_plane(primary, secondary):
+    """By hand: nothing of what lies in a plane is lost where one looks along its normal, and its
+    branch lies beside it."""
+    right, up, _ = ArmView(primary, secondary).axes("LPS")
+    angle = np.linspace(0, np.pi / 2, 61)[:, None]
+    arc = 15 * (np.sin(angle) * up + (1 - np.cos(angle)) * right)
+    branch = arc[30] + np.linspace(0.5, 25, 50)[:, None] * (right - up) / np.sqrt(2)
+    parent = np.r_[np.arange(61) - 1, 30, np.arange(61, 110)]
+    tree = Centerline(np.vstack([arc, branch]), np.r_[np.full(61, 2.5), np.full(50, 1.5)], parent)
+    one = Shown(tree, Line(arc[10:51]), np.full(41, 2.5), "LPS")
+    across = one.seen_from(ArmView(primary, secondary))
+    assert (across.foreshortening, across.covered) == (pytest.approx(0, abs=1e-9), 0)
+    assert across.ostia_covered == 0
+    found = working_views(one, arm_limits())
+    # As good to one percent, of the best of a grid, which is at most 2.5 degrees from the normal by
+    # either angle and so loses 1 - cos 3.6 degrees.
+    assert found.best.foreshortening <= 0.01 + 0.002
+    assert found.best.ostia_covered == 0
+    assert found.worst.foreshortening > 0.3
+
+
 def test_both_frames_give_the_same_views():
     one = working_views(shown(BENT), arm_limits())
     other = working_views(shown(BENT * (-1, -1, 1), frame="RAS"), arm_limits())

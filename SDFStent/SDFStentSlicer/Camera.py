@@ -68,6 +68,7 @@ class FilmNode:
             self._node.CreateDefaultDisplayNodes()
             _asFilm(self._node.GetDisplayNode())
         self._film = film
+        _inViewOf(camera, self._node.GetDisplayNode())
         self._picture.SetOutput(_image(film.gray))
         self._node.GetDisplayNode().SetTextureImageDataConnection(self._picture.GetOutputPort())
         self.follow(camera)
@@ -110,6 +111,16 @@ def _letSee(camera, distance):
     nearest = (1 - BEFORE) / 2 * distance
     if near > nearest:
         camera.GetCamera().SetClippingRange(nearest, far)
+
+
+def _inViewOf(camera, display):
+    """Show only in the view of a camera: another one looks from elsewhere."""
+    views = slicer.util.getNodesByClass("vtkMRMLViewNode")
+    own = [one.GetID() for one in views if one.GetLayoutName() == camera.GetLayoutName()]
+    if own != [display.GetNthViewNodeID(n) for n in range(display.GetNumberOfViewNodeIDs())]:
+        display.RemoveAllViewNodeIDs()
+        for viewID in own:
+            display.AddViewNodeID(viewID)
 
 
 def _asFilm(display):

@@ -139,7 +139,9 @@ class ViewSection(VTKObservationMixin):
         lines = [view.words, *(f"{one.label.lower()} {one.words}" for one in told)]
         if film is not None:
             self._film.show(film, self._camera)
-            lines.append(_("X-ray, bar {length:g} mm").format(length=film.bar))
+            isOld = self._logic.hasChanged(self._parameterNode)
+            words = _("X-ray, bar {length:g} mm").format(length=film.bar)
+            lines += [words, *([_("before the last change")] if isOld else [])]
         self._showAngles("\n".join(lines))
         self._say(facts.named("_sentence").words)
 

@@ -136,6 +136,9 @@ def test_an_x_ray_lies_before_all_and_shows_what_is_there(host, theSection, theP
     with_stent = gray().copy()
     assert with_stent.shape == (512, 512)
     assert corner()[-1].startswith("X-ray, bar ")
+    display = film().GetDisplayNode()
+    (viewID,) = map(display.GetNthViewNodeID, range(display.GetNumberOfViewNodeIDs()))
+    assert host.scene.GetNodeByID(viewID).GetLayoutName() == camera().GetLayoutName()
     picture = host.application.render(thePictures / "x_ray.png")
     assert picture.exists()
     ui.expansionSlider.value = 0.0
@@ -145,6 +148,17 @@ def test_an_x_ray_lies_before_all_and_shows_what_is_there(host, theSection, theP
     ui.xrayCheckBox.checked = False
     host.process()
     assert film() is None
+
+
+def test_an_x_ray_of_a_former_plan_says_so(host, theSection):
+    deploy(host, theSection)
+    theSection.ui.xrayCheckBox.checked = True
+    theSection.ui.diameterSlider.value = 9.5
+    seen(host, theSection)
+    assert corner()[-1] == "before the last change"
+    deploy(host, theSection)
+    seen(host, theSection)
+    assert corner()[-1].startswith("X-ray, bar ")
 
 
 def test_no_x_ray_stays_that_is_of_something_else(host, theSection):

@@ -146,9 +146,9 @@ def working_views(shown: Shown, limits: ArmLimits, apart: float = APART) -> Work
     grid = shown.mapped(_side(limits.lao_rao), _side(limits.cra_cau), limits)
     if not grid.is_reached.any():
         raise InputError("limits of the arm: expected some view within them, got none; widen them.")
-    best = _refined(shown, limits, _best_of(grid, grid.is_reached))
+    best = _best(shown, limits, grid, grid.is_reached)
     far = grid.is_reached & are_apart_from(best, grid, shown.frame, apart)
-    second = _refined(shown, limits, _best_of(grid, far), best, apart) if far.any() else None
+    second = _best(shown, limits, grid, far, best, apart) if far.any() else None
     worst = _at(grid, int(np.where(grid.is_reached, grid.seen, np.inf).argmin()))
     other = None if second is None else shown.seen_from(second)
     return WorkingViews(grid, shown.seen_from(best), other, shown.seen_from(worst))
@@ -179,24 +179,28 @@ def _at(grid: ViewMap, number: int) -> ArmView:
     return ArmView(float(grid.primary[first]), float(grid.secondary[second]))
 
 
-def _best_of(grid: ViewMap, allowed: Flags) -> ArmView:
+def _least_steep(grid: ViewMap, allowed: Flags, most: float) -> ArmView:
+    """Of the allowed views that show as much as `most`, or as the best of them."""
     seen = np.where(allowed, grid.seen, -np.inf).ravel()
     steepness = np.hypot(*_pairs(grid.primary, grid.secondary))
-    good = np.flatnonzero(seen >= seen.max() - AS_GOOD)
+    good = np.flatnonzero(seen >= max(most, seen.max()) - AS_GOOD)
     return _at(grid, int(good[steepness[good].argmin()]))
 
 
-def _refined(
+def _best(
     shown: Shown,
     limits: ArmLimits,
-    view: ArmView,
+    grid: ViewMap,
+    allowed: Flags,
     other: ArmView | None = None,
     apart: float = 0.0,
 ) -> ArmView:
-    """The best of the views around one, degree by degree; far enough from another one."""
+    """The best of the allowed views of a grid, degree by degree; far enough from another one."""
+    most = float(grid.seen[allowed].max())
+    view = _least_steep(grid, allowed, most)
     around = np.arange(1 - GRID, GRID)
-    grid = shown.mapped(view.primary + around, view.secondary + around, limits)
-    allowed = grid.is_reached
+    fine = shown.mapped(view.primary + around, view.secondary + around, limits)
+    near = fine.is_reached
     if other is not None:
-        allowed = allowed & are_apart_from(other, grid, shown.frame, apart)
-    return _best_of(grid, allowed)
+        near = near & are_apart_from(other, fine, shown.frame, apart)
+    return _least_steep(fine, near, most)
