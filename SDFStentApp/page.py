@@ -126,6 +126,7 @@ class Page:
             widget.on_change = self._changed
             if widget.edited:
                 self._follow(widget)
+        self.widget.vessel.making.onMade = self._made
         for place in self._places():
             place.connect("activeMarkupsPlaceModeChanged(bool)", self._on_placing)
 
@@ -390,6 +391,13 @@ class Page:
         with self.server.state as state:
             state.opened += 1
         self.say(opened.warnings)
+
+    def _made(self, former: Any) -> None:
+        """Give a centerline that was made a file, as one that was opened has."""
+        line = self.parameters.centerline
+        self.home.mkdir(parents=True, exist_ok=True, mode=0o700)
+        save_model(line, self.home / f"{line.GetID()}.vtp")
+        self.widget.sections[0].join(former)
 
     def _close(self) -> None:
         """Remove the former vessel from the scene, with its stents, its patient's flow and results."""

@@ -21,7 +21,6 @@ from .widgets import (
 )
 
 NOT_IN_THE_PAGE = {
-    "extractButton": "opens another module of Slicer",
     "outputSelectorLabel": "results are saved from the page",
     "outputSelector": "results are saved from the page",
     "handleSelector": "every stent has a handle of its own",

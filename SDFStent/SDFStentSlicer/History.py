@@ -67,6 +67,7 @@ class HistoryButtons:
         self.onKept, self.isAwaited = lambda _document: None, lambda: False
         self.ui, self._attempt = ui, attempt
         self._histories, self._history = {}, None
+        self._joined = {}
         self._timer = Clock.timer(self._settle, SETTLE_MS)
         ui.undoButton.connect("clicked()", lambda: self._go(-1))
         ui.redoButton.connect("clicked()", lambda: self._go(1))
@@ -87,9 +88,17 @@ class HistoryButtons:
         self._history = self._histories[self._keyOf(plan)] = History(plan)
         self._offer()
 
+    def join(self, former):
+        """Let *Undo* lead back to a former centerline, or None, in whose place another one was made, and *Redo* to that."""
+        plan = self._history.parameterNode
+        made = plan.centerline
+        self._joined[-1, self._keyOf(plan, made)] = former
+        self._joined[1, self._keyOf(plan, former)] = made
+        self._offer()
+
     @staticmethod
-    def _keyOf(parameterNode):
-        inputs = parameterNode.vessel, parameterNode.centerline
+    def _keyOf(parameterNode, *centerline):
+        inputs = parameterNode.vessel, *(centerline or [parameterNode.centerline])
         return (parameterNode.parameterNode.GetID(), *map(_placeOf, inputs))
 
     def keep(self):
@@ -110,8 +119,19 @@ class HistoryButtons:
             self._tell()
 
     def _go(self, steps):
-        self._attempt(lambda: self._history.go(steps))
+        self.keep()
+        if self._history.mayGo(steps):
+            self._attempt(lambda: self._history.go(steps))
+        elif self._leadsOn(steps):
+            plan = self._history.parameterNode
+            plan.centerline = self._joined[steps, self._keyOf(plan)]
         self._tell()
+
+    def _leadsOn(self, steps):
+        """Whether a step leads to another centerline, which is still there."""
+        key = steps, self._keyOf(self._history.parameterNode)
+        node = self._joined.get(key)
+        return key in self._joined and (node is None or node.GetScene() is not None)
 
     def _tell(self):
         if self._history.document:
@@ -119,8 +139,8 @@ class HistoryButtons:
         self._offer()
 
     def _offer(self):
-        self.ui.undoButton.enabled = self._history.mayGo(-1)
-        self.ui.redoButton.enabled = self._history.mayGo(1)
+        for button, steps in ((self.ui.undoButton, -1), (self.ui.redoButton, 1)):
+            button.enabled = self._history.mayGo(steps) or self._leadsOn(steps)
 
 
 def _placeOf(node):

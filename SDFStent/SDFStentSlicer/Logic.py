@@ -18,6 +18,7 @@ from . import (
     Display,
     Flow,
     Handles,
+    MadeCenterline,
     Outputs,
     Plans,
     Results,
@@ -34,7 +35,7 @@ from .ParameterNode import stentOf, stentsOf
 from .ParameterSets import ParameterSets
 from .PlanFields import REMEDIES, SIZING
 from .Planning import Planning
-from .Portions import working
+from .Portions import untilDone, working
 from .Previewing import Previewing
 from .Sighting import Sighting
 from .Snapping import Snapping
@@ -128,6 +129,17 @@ class SDFStentLogic(
     def centerlineOf(self, parameterNode):
         """The library's centerline of a parameter node, in world coordinates."""
         return self._inputs.centerline(parameterNode)
+
+    def makeCenterline(self, parameterNode):
+        """Make a centerline of nothing but the vessel's surface, as a model, and choose it; what to know about it is in `status` afterward.
+
+        Raises `InputError` or `DeploymentError` with a sentence where the vessel has no two ends.
+        """
+        untilDone(self.centerlineInPortions(parameterNode))
+
+    def centerlineInPortions(self, parameterNode):
+        """The same in portions: a generator that yields None and returns the centerline that was chosen before."""
+        return (yield from MadeCenterline.portions(parameterNode, self._inputs))
 
     def lesionSearch(self, parameterNode):
         """The search for the lesions of the vessel; None before vessel and centerline are chosen.

@@ -68,17 +68,18 @@ def addVessel(surface, faces, centerline, name, scene=None):
         surface.points.astype(np.float32), surface.triangles, cell_arrays={"ModelFaceID": faces.ids}
     )
     set_face_names(polyData, faces.names)
-    vessel = _addModel(scene, name, polyData)
+    vessel = addModel(scene, name, polyData)
     vessel.GetDisplayNode().SetOpacity(0.5)
     vessel.GetDisplayNode().SetColor(0.85, 0.45, 0.4)
-    centerline = _addModel(
+    centerline = addModel(
         scene, _("{name} centerline").format(name=name), centerlinePolyData(centerline)
     )
     centerline.GetDisplayNode().SetLineWidth(3)
     return [vessel, centerline]
 
 
-def _addModel(scene, name, polyData):
+def addModel(scene, name, polyData):
+    """A model that is shown, under a name of its own."""
     node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(name))
     node.SetAndObservePolyData(polyData)
     node.CreateDefaultDisplayNodes()

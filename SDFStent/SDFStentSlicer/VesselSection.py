@@ -2,7 +2,8 @@
 
 import slicer
 
-from . import Conversion, ExtractCenterline, Outputs
+from . import Conversion, Outputs
+from .MadeCenterline import CenterlineButton
 
 
 class VesselSection:
@@ -11,14 +12,15 @@ class VesselSection:
     `attempt(action)` does what is asked for and says why when it cannot be done.
     """
 
-    def __init__(self, ui, attempt):
+    def __init__(self, ui, logic, attempt):
         self.ui, self._parameterNode = ui, None
-        ui.extractButton.connect("clicked()", lambda: attempt(self._onExtract))
+        self.making = CenterlineButton(ui.extractButton, logic, attempt)
         ui.segmentSelector.connect("currentSegmentChanged(QString)", self._onSegment)
 
     def show(self, parameterNode):
         """The parameter node that is shown now, or None."""
         self._parameterNode = parameterNode
+        self.making.show(parameterNode)
         if parameterNode is not None:
             self._showSegments(parameterNode)
             self._offer(parameterNode)
@@ -54,7 +56,7 @@ class VesselSection:
     def chooseOnly(parameterNode, hasNew=False):
         """Choose the only wall and the only lines of a scene, where nothing is chosen: there is nothing to ask.
 
-        Where there is something new, either for itself.
+        Where there is something new, either for itself; a segmentation of one segment is such a wall.
         """
         models = slicer.util.getNodesByClass("vtkMRMLModelNode")
         inputs = [
@@ -67,6 +69,8 @@ class VesselSection:
             for isIt in (Conversion.hasWall, Conversion.hasLines)
         )
         others = slicer.util.getNodesByClass("vtkMRMLSegmentationNode")
+        if not walls and [one.GetSegmentation().GetNumberOfSegments() for one in others] == [1]:
+            walls, others = others, []
         isChosen = parameterNode.vessel is not None or parameterNode.centerline is not None
         isClear = len(walls) == len(lines) == 1 and not isChosen
         if others or walls == lines or not (hasNew or isClear):
@@ -76,10 +80,6 @@ class VesselSection:
                 parameterNode.vessel = walls[0]
             if parameterNode.centerline is None and len(lines) == 1:
                 parameterNode.centerline = lines[0]
-
-    def _onExtract(self):
-        node = self._parameterNode
-        ExtractCenterline.openFor(node.vessel, Conversion.segmentOf(node))
 
     def _onSegment(self, segmentID):
         """Take the user's choice; what the selector says of another node, which it went to by itself, is none."""

@@ -86,7 +86,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._size, self._typed = PanelSize(uiWidget), TypedNumbers(uiWidget, self._attempt)
         self._state = PanelState(self.ui, self.logic, self.session, self._size)
         self.binder = Binder(self.ui, self._attempt)
-        self.vessel = VesselSection(self.ui, self._attempt)
+        self.vessel = VesselSection(self.ui, self.logic, self._attempt)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(
             self.ui,
@@ -116,11 +116,12 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             lambda: self.logic.recoilByRule(self._parameterNode), self._onPrepared, RECOIL_MS
         )
         self.sections[0].isAwaited = lambda: self.recoil.isBusy
+        self.vessel.making.onMade = self.sections[0].join
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._carrying = Clock.timer(self._carry, 0)
 
     def cleanup(self):
-        for button in (self.plans.comparing, self.sections[-1].writing):
+        for button in (self.plans.comparing, self.sections[-1].writing, self.vessel.making):
             button.stop()
         self.setParameterNode(None)
         self.removeObservers()
