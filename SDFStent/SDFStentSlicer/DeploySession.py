@@ -18,6 +18,9 @@ LATE = 1.5
 SETTLE_MS = 100
 """A hand that rests so long from then on has stopped, for now: the panel says that it deploys."""
 
+GROWN = 0.999
+"""Fraction of a run at which its stents are as wide as they become."""
+
 MOST_LEFT = 1
 """Calculations that nobody waits for any more and that still run; while there are more no full method begins by itself."""
 
@@ -40,7 +43,7 @@ class DeploySession:
         self._logic, self._onStart, self._onDone = logic, onStart, onDone
         self._beforeAny, self._beforeFull = beforeAny, beforeFull
         self._parameterNode = self._signature = None
-        self._run = SteppedRun(onProgress, self._finished)
+        self._run, self._onProgress = SteppedRun(self._progressed, self._finished), onProgress
         self._live = self._isQuiet = self._isAtOnce = False
         self._timer = Clock.timer(self._updateInOneFrame, COALESCE_MS)
         self._frame, self._drawing = Showing.HeldFrame(), Showing.QuickDrawing()
@@ -96,12 +99,13 @@ class DeploySession:
         standing = self._parameterNode and self._standing()
         if not standing or not self._parameterNode.autoUpdate or not self._isNew(standing):
             return
-        if Portions.countLeft() > MOST_LEFT or self._beforeFull():
+        isAlone = len(self._logic.places(self._parameterNode)) == 1  # else a preview is far quicker
+        if not isAlone or Portions.countLeft() > MOST_LEFT or self._beforeFull():
             return
-        self._stop()
+        self._stopRun()
+        self._frame.hold()  # until what has grown is drawn with it
         self._settleTimer.start()
-        self._begin(False, standing)
-        self._isAtOnce = True
+        self._begin(False, standing, isAtOnce=True)
 
     def followFlow(self):
         """Tell the results for another flow, where that was set; after what is under way."""
@@ -118,9 +122,12 @@ class DeploySession:
         self._rest()
 
     def _stop(self):
+        self._stopRun()
+        self._frame.release()
+
+    def _stopRun(self):
         for timer in (self._timer, self._restTimer, self._settleTimer):
             timer.stop()
-        self._frame.release()
         self._run.cancel()
 
     def _rest(self):
@@ -178,23 +185,29 @@ class DeploySession:
         self._isQuiet = False
         self._onStart()
 
-    def _begin(self, live, standing=None):
+    def _begin(self, live, standing=None, isAtOnce=False):
         standing = standing or self._standing()
         self._restTimer.stop()
         mayGoOn = self._settleTimer.isActive
         wasQuiet, self._isQuiet = self._isQuiet, live or mayGoOn()
-        self._signature, self._live, self._isAtOnce = standing.signature, live, False
+        self._signature, self._live, self._isAtOnce = standing.signature, live, isAtOnce
         self._drawing.begin()
         self._run.start(
             self._logic.steps(self._parameterNode, live=live, standing=standing, mayGoOn=mayGoOn),
-            isSeen=live or not self._isQuiet,
+            isSeen=live or isAtOnce or not self._isQuiet,
         )
         if not (wasQuiet and self._isQuiet):  # else nothing else can be done than before
             self._onStart()
         if live:
             self._run.advance()
 
+    def _progressed(self, fraction):
+        if fraction >= GROWN:
+            self._frame.release()
+        self._onProgress(fraction)
+
     def _finished(self, error):
+        self._frame.release()
         standing = self._parameterNode and self._standing()
         if error is not None and self._isAtOnce:
             self._signature = None  # a preview shows what there is instead

@@ -4,8 +4,9 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.geometry import Precision
 
-from . import Dependencies, Flow, Plans, Results
+from . import Dependencies, Flow, Plans, Previewing, Results
 from .Portions import inPortions, working
+from .Previewing import PreviewRun
 from .Stenting import Stenting
 
 
@@ -21,7 +22,7 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
     surface = shown.surface(vessel)
     if isPreviewed or mayGoOn():
         surface.hideOutline()
-        yield from _grow(shown, run, None if isPreviewed else surface)
+        yield from _grow(shown, signature, run, None if isPreviewed else surface)
         if mayGoOn():
             yield from working(run.survey(), fraction=lambda: 1.0)
     else:
@@ -77,17 +78,17 @@ def flow(shown):
     Results.showFlow(shown.parameterNode, run)
 
 
-def _grow(shown, run, surface=None):
-    """Run the steps and show in a surface, where one is given, only what has grown in the end; yields the fraction done."""
+def _grow(shown, signature, run, surface=None):
+    """Run the steps and show in a surface, where one is given, what has grown in the end, as a preview; yields the fraction done."""
     fraction = 0.0
     for state in run.steps():
         if state is not None:
             fraction = state.fraction
-            isLast = len(run.drawn) == len(run.places)
-            if surface is not None and isLast and state.deployment.is_grown:
-                _show(surface, state)
-                shown.run = run
-                Results.showGrown(shown.parameterNode, run)
+            if surface is not None and state.deployment.is_grown:
+                grown = PreviewRun.grown(run, state)
+                grown.follow(shown.run)
+                Previewing.show(shown, surface, grown, signature)
+                Results.tellMeasuring(shown.parameterNode, run)
         yield fraction
 
 
@@ -97,10 +98,8 @@ def _expand(run, surface):
     for state in run.steps():
         if state is not None:
             fraction = state.fraction
-            _show(surface, state)
+            moved = state.deployment
+            surface.show(state.before.points, moved.indices, moved.coordinates)
         yield fraction
-
-
-def _show(surface, state):
-    moved = state.deployment
-    surface.show(state.before.points, moved.indices, moved.coordinates)
+    surface.show(run.points)
+    yield fraction

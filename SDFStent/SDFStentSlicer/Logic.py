@@ -114,6 +114,7 @@ class SDFStentLogic(
     inputNodes = staticmethod(Dependencies.inputNodes)
     missing = staticmethod(Dependencies.missing)
     standing = staticmethod(Dependencies.standing)
+    places = staticmethod(Dependencies.places)
     leave = staticmethod(Dependencies.leave)
     chooseSegment = staticmethod(Dependencies.chooseSegment)
     takenIDs = staticmethod(Outputs.takenIDs)

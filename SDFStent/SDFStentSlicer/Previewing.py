@@ -39,22 +39,15 @@ class Previewing:
             run = yield from working(preview.portions(case, Dependencies.places(parameterNode)))
             run.follow(shown.run)
         except (InputError, DeploymentError):
-            self._show(shown, surface, PreviewRun.withoutStents(vessel.surface), signature)
+            show(shown, surface, PreviewRun.withoutStents(vessel.surface), signature)
             with slicer.util.NodeModify(parameterNode):
                 parameterNode.expansion = 0.0
                 Results.clearNumbers(parameterNode, _("Shown: the vessel before treatment."))
             raise
-        self._show(shown, surface, run, signature)
+        show(shown, surface, run, signature)
         parameterNode.expansion = 100.0
         yield 1.0
         yield from self._numbers(parameterNode, run, search)
-
-    @staticmethod
-    def _show(shown, surface, run, signature):
-        surface.showChanged(run.state.indices, run.state.coordinates)
-        shown.run, shown.signature = run, signature
-        Results.showStents(shown.parameterNode, run.tubes())
-        Results.showMap(shown.parameterNode, run)
 
     def _numbers(self, parameterNode, run, search):
         """Show about its numbers, unless that was done just now; numbers of the full method are replaced at once."""
@@ -66,6 +59,14 @@ class Previewing:
         self._measuredAt = now
         Results.showPreviewed(parameterNode, run, numbers, found)
         yield 1.0
+
+
+def show(shown, surface, run, signature):
+    """Show a `PreviewRun` of the plan and inputs with a signature."""
+    surface.showChanged(run.state.indices, run.state.coordinates)
+    shown.run, shown.signature = run, signature
+    Results.showStents(shown.parameterNode, run.tubes())
+    Results.showMap(shown.parameterNode, run)
 
 
 class PreviewedVessel:
@@ -98,8 +99,8 @@ class PreviewedVessel:
             isWanted[0] = False
 
 
-class _Unmoved(NamedTuple):
-    """The state of a vessel in which nothing is, as the library's `PreviewState` has it."""
+class _State(NamedTuple):
+    """The state of a vessel, as the library's `PreviewState` has it."""
 
     indices: Any
     coordinates: Any
@@ -120,7 +121,15 @@ class PreviewRun:
     def withoutStents(cls, surface):
         """The vessel as it was."""
         nothing = np.empty(0, dtype=np.int64), np.empty((0, 3)), ()
-        return cls(surface, _Unmoved(*nothing), ())
+        return cls(surface, _State(*nothing), ())
+
+    @classmethod
+    def grown(cls, run, state):
+        """What the only stent of a `Stenting` has grown, by its library's `TreatmentState`."""
+        moved = state.deployment
+        return cls(
+            run.surface, _State(moved.indices, moved.coordinates, (state.placed,)), run.places
+        )
 
     def follow(self, earlier):
         """Keep what the last deployment in this vessel measured: the `earlier` run is it, or has kept it."""

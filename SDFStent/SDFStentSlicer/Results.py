@@ -35,9 +35,8 @@ SERIES = {
 POSITION = "Position (mm)"
 
 
-def showGrown(parameterNode, run, isWhole=False):
-    """The stents when all have grown, with what is known of the selected one before anything is measured."""
-    showStents(parameterNode, run.end()[1], isWhole)
+def tellMeasuring(parameterNode, run):
+    """What is known of the selected stent before anything is measured."""
     with slicer.util.NodeModify(parameterNode):
         parameterNode.expansion = 100.0
         clearNumbers(parameterNode, _("Not measured yet."))
@@ -47,12 +46,13 @@ def showGrown(parameterNode, run, isWhole=False):
 
 def showEnd(parameterNode, run, lines):
     """After the last step: the stents and the moved centerline, by its `lines`."""
-    showGrown(parameterNode, run, isWhole=True)
+    showStents(parameterNode, run.end()[1], isWhole=True)
     if run.centerline is not None:
         node = Display.outputModel(
             parameterNode, "outputCenterline", _("Stented centerline"), Showing.LINE_COLOR
         )
         Display.showLines(node, run.centerline.points, lines)
+    tellMeasuring(parameterNode, run)
 
 
 def clearNumbers(parameterNode, text=""):
