@@ -31,6 +31,7 @@ COPIED = (
     "map",
     "showStents",
     "showDevice",
+    "showXray",
     "deviceMesh",
     "autoUpdate",
     "segmentEnds",
