@@ -101,5 +101,3 @@ def _expand(run, surface):
             moved = state.deployment
             surface.show(state.before.points, moved.indices, moved.coordinates)
         yield fraction
-    surface.show(run.points)
-    yield fraction

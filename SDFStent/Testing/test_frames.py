@@ -43,8 +43,7 @@ def test_what_nobody_waits_for_ends_before_the_full_method_begins(host, aStent):
 
 def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, monkeypatch):
     """In the application there is a frame in every turn while a hand drags: with a turn between, it shows nothing new."""
-    from SDFStentSlicer import Clock
-    from SDFStentSlicer.Previewing import Previewing
+    from SDFStentSlicer import Clock, Previewing
 
     # A turn has the time that a preview takes, however slow the machine.
     monkeypatch.setattr(Clock.QtTimer, "TURN_S", (4.0, 4.0))
@@ -53,10 +52,8 @@ def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, m
     parameters = aStent._parameterNode
     tree, handle = aStent.logic.centerlineOf(parameters), parameters.stent.handle
     way = tree.points[tree.ancestry(tree.leaves[0])]
-    shown, show, turns, end = [], Previewing._show, 0, time.perf_counter() + 40.0
-    monkeypatch.setattr(
-        Previewing, "_show", staticmethod(lambda *args: (shown.append(1), show(*args)))
-    )
+    shown, show, turns, end = [], Previewing.show, 0, time.perf_counter() + 40.0
+    monkeypatch.setattr(Previewing, "show", lambda *args: (shown.append(1), show(*args)))
     with host.drawing(0.1):
         while len(shown) < 10 and time.perf_counter() < end:  # Ends: with the time at the latest.
             place = way[len(way) // 3 + 2 * len(shown)]
@@ -70,19 +67,16 @@ def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, m
 
 
 def test_what_a_hand_moves_is_drawn_once_and_with_its_surface(host, aStent, monkeypatch):
-    from SDFStentSlicer import Clock
-    from SDFStentSlicer.Previewing import Previewing
+    from SDFStentSlicer import Clock, Previewing
 
     # A preview that takes more than a turn has a frame of the handle alone.
     monkeypatch.setattr(Clock.QtTimer, "TURN_S", (0.5, 0.5))
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
-    parameters, order, show = aStent._parameterNode, [], Previewing._show
+    parameters, order, show = aStent._parameterNode, [], Previewing.show
     tree, handle = aStent.logic.centerlineOf(parameters), parameters.stent.handle
     way = iter(tree.points[tree.ancestry(tree.leaves[0])][40:])
-    monkeypatch.setattr(
-        Previewing, "_show", staticmethod(lambda *args: (order.append("surface"), show(*args)))
-    )
+    monkeypatch.setattr(Previewing, "show", lambda *args: (order.append("surface"), show(*args)))
     with host.drawing(0.05) as frames:
         frames.onFrame = lambda: order.append("frame")
         for _ in range(8):
