@@ -21,6 +21,7 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.line_formats import LINE_INPUTS
 from SDFStentLib.plan import load_plan, read_input_files
+from SDFStentLib.scan_formats import SCAN_SUFFIXES
 from SDFStentLib.surface_formats import READ_SUFFIXES, WHOLE_SUFFIXES, WRITTEN_SUFFIXES
 from SDFStentLib.units import Frame
 from SDFStentLib.validation import InputError
@@ -30,7 +31,8 @@ from .chunks import LARGEST_UPLOAD
 SURFACES = READ_SUFFIXES
 CENTERLINES = LINE_INPUTS
 PLANS = (".json",)
-SENT = tuple(dict.fromkeys((*WHOLE_SUFFIXES, *CENTERLINES, *PLANS)))
+SCANS = SCAN_SUFFIXES
+SENT = tuple(dict.fromkeys((*WHOLE_SUFFIXES, *CENTERLINES, *PLANS, *SCANS)))
 """Suffixes of files that a browser may send, without repetitions."""
 
 DEEPEST, MOST = 4, 400

@@ -27,15 +27,18 @@ from .desktop import AsyncTimer, PageDesktop
 from .exports import NAMES, exported, zipped_folder
 from .files import (
     PLANS,
+    SCANS,
     Folders,
     Opened,
     Uploads,
+    ends_in,
     has_lines,
     open_plan,
     open_vessel,
     save_model,
 )
 from .kept import PLAN
+from .scans import Scans
 from .selectors import PlaceWidget
 from .sight import build
 from .tables import Table
@@ -97,6 +100,10 @@ class Page:
         self.home = Path(opening.get("kept") or self.workshop.name)
         self.uploads = Uploads(self.home / "uploads")
         self.folders = Folders([*opening["folders"], self.uploads.folder])
+        self._scan: Path | None = None
+        self.scans = Scans(
+            self.home, self._on_share, self._on_segments, self._on_prepared, self._tell
+        )
         self._unseen = [str(self.uploads.folder), str(self.home)]
         self._forget: asyncio.TimerHandle | None = None
         slicer.util.showStatusMessage = self.tell
@@ -322,12 +329,22 @@ class Page:
         if variable in ("", *PATHS):
             self.attempt(keep)
 
-    def open(self, surface: str, centerline: str, units: str) -> None:
-        """Open a vessel, or a plan in place of the surface, from files that may be opened; a plan
-        names its own unit."""
+    def open(self, surface: str, centerline: str, units: str, segment: int = -1) -> None:
+        """Open a vessel, or in place of the surface a plan or a segmentation, from files that may
+        be opened; a plan names its own unit. `segment` is the number of one of several."""
 
         def load() -> None:
             wall = self.folders.existing(surface)
+            self.stop()
+            if ends_in(wall, SCANS):
+                isChosen = wall == self._scan and type(segment) is int
+                if not isChosen:
+                    self._on_segments([])
+                self._scan = wall
+                self.scans.prepare(wall, segment if isChosen else -1)
+                return
+            self._scan = None
+            self._on_segments([])
             line = self.folders.existing(centerline) if centerline else None
             scene = self.application.scene
             if wall.suffix.lower() in PLANS:
@@ -339,6 +356,27 @@ class Page:
             self.attempt(load)
         else:
             self.say("Open: expected the path of a surface, got none; type or choose one.")
+
+    def stop(self) -> None:
+        """Make no vessel of a segmentation."""
+        self.scans.stop()
+
+    def _on_share(self, share: float | None) -> None:
+        with self.server.state as state:
+            state.preparing = "" if share is None else f"Surface and centerline, {share:.0%}"
+
+    def _on_segments(self, segments: list[str]) -> None:
+        with self.server.state as state:
+            state.segments, state.segment = segments, 0
+        if segments:
+            self.say(f"Segment: choose one of {len(segments)}, then Open.")
+
+    def _on_prepared(self, surface: Path, centerline: Path, said: str) -> None:
+        def load() -> None:
+            opened = open_vessel(self.application.scene, surface, centerline, "mm")
+            self._opened(opened._replace(warnings="\n".join(filter(None, (said, opened.warnings)))))
+
+        self.attempt(load)
 
     def open_named(self) -> None:
         """Open the files named at the start of the server, which may be anywhere."""

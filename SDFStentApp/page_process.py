@@ -95,11 +95,11 @@ class PageProcess:
             process = self._starting.result()
             assert process.stdin is not None
             if self._process is None or not self._is_wanted.is_set():
-                _kill(process)  # it has not been told anything yet
+                kill(process)  # it has not been told anything yet
             process.stdin.close()
             done, _ = await asyncio.wait([self._life], timeout=END_WITHIN_S)
             if not done:
-                _kill(process)
+                kill(process)
         await asyncio.gather(self._life, return_exceptions=True)
 
     def _leave_after(self, seconds: float) -> None:
@@ -136,14 +136,14 @@ class PageProcess:
                 )
             )
             self._port.exception()  # nobody may have asked yet
-            _kill(process)
+            kill(process)
 
     async def _over(self) -> None:
         """Clean up after the process has ended for whatever reason, and tell the server."""
         if self._leaving is not None:
             self._leaving.cancel()
         if self._process is not None and self._process.returncode is None:
-            _kill(self._process)
+            kill(self._process)
             await self._process.wait()
         self._workshop.cleanup()
         if not self._port.done():
@@ -152,7 +152,7 @@ class PageProcess:
         self._on_end(self)
 
 
-def _kill(process: asyncio.subprocess.Process) -> None:
+def kill(process: asyncio.subprocess.Process) -> None:
     """Kill a process by its number: `Process.kill` may reap a process that has ended by itself
     before asyncio does, which then warns."""
     with contextlib.suppress(ProcessLookupError):

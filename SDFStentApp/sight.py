@@ -13,13 +13,13 @@ from SDFStentLib.units import MILLIMETERS
 from . import template
 from .charts import plot_of, table_of
 from .chunks import LARGEST_UPLOAD
-from .files import CENTERLINES, PLANS, SURFACES
+from .files import CENTERLINES, PLANS, SCANS, SURFACES
 from .view import NAME, SIDES
 
 TITLE = "SDF Stent"
 HERE = Path(__file__).parent
 TRIGGERS = (
-    *("click", "edit", "hover", "key", "ask", "choose", "open", "upload", "demo"),
+    *("click", "edit", "hover", "key", "ask", "choose", "open", "upload", "demo", "stop"),
     *("save", "picture", "point", "gather", "fetch"),
 )
 """Methods of the page that the browser calls."""
@@ -79,7 +79,8 @@ def _begin(page: Any) -> None:
     state.surfacePath = state.centerlinePath = state.chosenPath = ""
     state.fileUnits = page.opening.get("units", "mm")
     state.chooser, state.opened, state.made = {}, 0, 0
-    state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS))
+    state.preparing, state.segments, state.segment = "", [], 0
+    state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS, *SCANS))
     state.centerlineFiles = page.folders.listing(CENTERLINES)
     state.plot, state.table = plot_of(None), table_of(None)
     state.atHand = {"lines": [], "angles": [], "kind": ""}

@@ -18,6 +18,7 @@ playwright = pytest.importorskip("playwright.sync_api", reason="playwright is no
 from app_server import CHROMIUM, IS_APP_INSTALLED, QUIET, AppServer, get  # noqa: E402
 from PIL import Image  # noqa: E402
 from polydata_cases import read_by_vtk  # noqa: E402
+from segmentations import FORK, named, voxels, write  # noqa: E402
 
 from benchmarks.phantoms import (  # noqa: E402
     branching_pulmonary_artery,
@@ -632,6 +633,47 @@ def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_vis
     assert again.read("surface.vtp") == archive.read("surface.vtp")
     placed = [json.loads(one.read("plan.json"))["stents"] for one in (archive, again)]
     assert placed[0] == placed[1]
+
+
+def test_a_segmentation_that_is_dropped_becomes_a_vessel_with_its_centerline(a_visit, tmp_path):
+    mask, low = voxels(FORK, 0.9)
+    other = np.zeros_like(mask)
+    other[:4, :4, :4] = True
+    stack = np.stack([mask, other], axis=-1).astype(np.uint8)
+    texts = named(artery=(1, 0), heart=(1, 1))
+    scan = write(tmp_path / "two.seg.nrrd", stack, low, 0.9, texts=texts)
+    ct = np.random.default_rng(1).integers(-1000, 400, mask.shape).astype(np.int16)
+    path = a_visit.page.locator("#surfacePath")
+    for file in (write(tmp_path / "ct.nii.gz", ct), scan):
+        content = base64.b64encode(file.read_bytes()).decode()
+        a_visit.page.evaluate(DROPPED, [(file.name, content)])
+        playwright.expect(path).to_have_value(re.compile(f"uploads/{file.name}$"))
+        a_visit.named("openButton").click()
+        if file is not scan:
+            a_visit.until("message", "ct.nii.gz: expected a segmentation")
+            assert "uploads" not in a_visit.text("message")
+    a_visit.until("message", "Segment: choose one of 2, then Open.")
+    a_visit.named("lesionTable").wait_for()  # the former vessel is still there
+    segment = a_visit.page.locator("#segment")
+    assert segment.locator("option").all_inner_texts() == ["1 (artery)", "1 (heart)"]
+    a_visit.named("openButton").click()
+    a_visit.until("preparing", "Surface and centerline, ")
+    a_visit.named("stopButton").click()
+    playwright.expect(a_visit.named("preparing")).to_have_count(0)
+    a_visit.named("openButton").click()
+    a_visit.until("message", "Voxels of 0.9 mm: diameters")
+    playwright.expect(a_visit.named("opening")).not_to_have_attribute("open", "")
+    a_visit.add_stent()
+    a_visit.deploy()
+    plan = json.loads(a_visit.archive().read("plan.json"))
+    assert plan["inputs"]["frame"] == "LPS"
+    a_visit.open_parts()
+    a_visit.named("extractButton").click()  # another one in place of the first
+    a_visit.until("centerlineSelector", "surface centerline")
+    again = a_visit.archive()
+    assert json.loads(again.read("plan.json"))["inputs"]["centerline"]["file"] == "centerline.vtp"
+    a_visit.named("undoButton").click()
+    assert again.read("centerline.vtp") != a_visit.archive().read("centerline.vtp")
 
 
 def test_a_fontan_is_told_from_each_caval_vein_and_its_inlets_are_set_in_the_page(

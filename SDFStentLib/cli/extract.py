@@ -140,7 +140,7 @@ def prepare_command(options: argparse.Namespace, console: Console) -> int:
     read = read_segmentation(options.segmentation, options.label)
     with console.progress("Surface and centerline") as show:
         show(0.0)
-        made = prepared_vessel(read.labelmap, inlet)
+        made = prepared_vessel(read.labelmap, inlet, show)
     console.warn(made.warnings)
     image = _image(made, console)
     outputs.write()

@@ -8,6 +8,8 @@ from .prepared import VOXEL_ERROR as VOXEL_ERROR
 from .prepared import PreparedEnd as PreparedEnd
 from .prepared import PreparedVessel as PreparedVessel
 from .prepared import prepared_vessel as prepared_vessel
+from .reader import ScanFile as ScanFile
 from .reader import Segmentation as Segmentation
+from .reader import read_scan as read_scan
 from .reader import read_segmentation as read_segmentation
 from .wall_distance import wall_distance as wall_distance

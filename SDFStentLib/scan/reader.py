@@ -52,6 +52,49 @@ class Segmentation(NamedTuple):
     segment: LabelEntry
 
 
+class ScanFile(NamedTuple):
+    """A file of labels that was read: each of them may be a vessel."""
+
+    path: Path
+    image: Any
+    layers: list[NDArray[Any]]
+    known: list[LabelEntry]
+    """Labels that the header names."""
+
+    @property
+    def labels(self) -> list[LabelEntry]:
+        """Labels that have voxels, in order."""
+        return [
+            LabelEntry(int(value), _name_of(self.known, int(value), layer), layer)
+            for layer, voxels in enumerate(self.layers)
+            for value in np.unique(voxels[voxels > 0])
+        ]
+
+    def named(self, label: str | int | None) -> LabelEntry:
+        """The label of a name or a number, None for the only one; errors as `read_segmentation`."""
+        return _chosen(self.labels, self.known, label, self.path)
+
+    def segmentation(self, label: LabelEntry) -> Segmentation:
+        """One of the labels; `InputError` for voxels that are no boxes."""
+        image = self.image
+        directions = np.reshape(image.GetDirection(), (3, 3))
+        mask = self.layers[label.layer] == label.value
+        try:
+            labelmap = Labelmap(mask, np.array(image.GetSpacing()), image.GetOrigin(), directions)
+        except InputError as error:
+            raise error.labeled(f"{self.path}: ") from None
+        return Segmentation(self.path, labelmap, label)
+
+
+def read_scan(path: str | PathLike[str]) -> ScanFile:
+    """Read all labels of a segmentation; path and errors as `read_segmentation`."""
+    target = as_path(path)
+    if not target.name.lower().endswith(SCAN_SUFFIXES):
+        raise InputError(f"{path}: expected a segmentation, {SCANS_IN_WORDS}; export it as one.")
+    image, meta = _read(target)
+    return ScanFile(target, image, _layers(image, target), _segments(meta))
+
+
 def read_segmentation(path: str | PathLike[str], label: str | int | None = None) -> Segmentation:
     """Read one label of a segmentation.
 
@@ -68,25 +111,8 @@ def read_segmentation(path: str | PathLike[str], label: str | int | None = None)
         SimpleITK is not installed; no segmentation of three dimensions with a spacing; a label
         that is not there, or none where there are several.
     """
-    target = as_path(path)
-    if not target.name.lower().endswith(SCAN_SUFFIXES):
-        raise InputError(f"{path}: expected a segmentation, {SCANS_IN_WORDS}; export it as one.")
-    image, meta = _read(target)
-    layers = _layers(image, target)
-    known = _segments(meta)
-    present = [
-        LabelEntry(int(value), _name_of(known, int(value), layer), layer)
-        for layer, voxels in enumerate(layers)
-        for value in np.unique(voxels[voxels > 0])
-    ]
-    segment = _chosen(present, known, label, target)
-    directions = np.reshape(image.GetDirection(), (3, 3))
-    mask = layers[segment.layer] == segment.value
-    try:
-        labelmap = Labelmap(mask, np.array(image.GetSpacing()), image.GetOrigin(), directions)
-    except InputError as error:
-        raise error.labeled(f"{path}: ") from None
-    return Segmentation(target, labelmap, segment)
+    read = read_scan(path)
+    return read.segmentation(read.named(label))
 
 
 def _read(path: Path) -> tuple[Any, dict[str, str]]:
