@@ -14,6 +14,7 @@ from SDFStentLib import InputError, Plan, Stent, plan_report, read_surface, run_
 from SDFStentLib.cohort import Cases, Cohort, run_sweep, write_manifest
 from SDFStentLib.cohort.moved import decoded
 from SDFStentLib.cohort.store import Store
+from SDFStentLib.cohort.worker import NO_VIEWS
 from SDFStentLib.stent import AtCenter, InputFile
 
 
@@ -258,3 +259,15 @@ def test_a_folder_that_is_no_cohort_is_refused(tmp_path):
     for use in (Cohort, write_manifest):
         with pytest.raises(InputError, match="expected the folder of a cohort"):
             use(tmp_path)
+
+
+@pytest.mark.parametrize("views", [None, {"lao_rao": 90.0}])
+def test_views_are_worked_out_for_every_case_only_where_the_plan_has_some(folder, tmp_path, views):
+    inputs = {"inputs": PLAN["inputs"] | {"frame": "LPS"}}
+    plan = PLAN | inputs | ({} if views is None else {"views": views})
+    sweep = sweep_in(folder, plan=plan, axes={"diameter": [6]})
+    run_sweep(sweep, tmp_path / "out", executor=Inline())
+    cohort = Cohort(tmp_path / "out")
+    told = cohort.report(str(cohort.columns["case"][0]))["views"]
+    assert len(told["stents"]) == (views is not None)
+    assert told["reason"] == (NO_VIEWS if views is None else None)

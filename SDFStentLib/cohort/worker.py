@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from ..cautions import reason_of
 from ..plan import InputFiles, Plan, PlanResult, plan_text, read_plan_inputs, treatment_of
-from ..report import flow_columns, flow_section, plan_report, stent_rows
+from ..report import flow_columns, flow_section, no_views, plan_report, stent_rows
 from ..validation import DeploymentError, InputError
 from ..version import VERSION
 from .axes import label
@@ -31,6 +31,9 @@ from .store import REPORT, SURFACES, Store
 from .value import Sweep
 from .varied import plan_of_case
 from .watch import begin
+
+NO_VIEWS = "A sweep tells views only where its plan has `views`."
+"""Why the report of a case has none."""
 
 KEPT = 2
 """Number of patients whose vessels a worker keeps: cases come patient by patient."""
@@ -192,8 +195,10 @@ def _write_surface(result: PlanResult, folder: Path, kind: str) -> None:
 
 
 def _report(result: PlanResult, plan: Plan) -> bytes:
-    """The report without anything that differs from run to run."""
-    report = plan_report(result).as_dict()
+    """The report without anything that differs from run to run, and with the views of a plan that
+    asks for some: in others they would take a share of every case for what few look at."""
+    views = no_views(plan.views, NO_VIEWS) if plan.views is None else None
+    report = plan_report(result, views=views).as_dict()
     del report["created"], report["timings"]
     text = _without_folders(json.dumps(report, ensure_ascii=False, allow_nan=False), plan)
     return gzip.compress(text.encode("utf-8", "backslashreplace"), mtime=0)

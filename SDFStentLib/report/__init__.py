@@ -76,6 +76,7 @@ from .views import Stretch as Stretch
 from .views import ToldViews as ToldViews
 from .views import known_frame as known_frame
 from .views import lesion_stretch as lesion_stretch
+from .views import no_views as no_views
 from .views import planned_views as planned_views
 from .views import stent_stretch as stent_stretch
 from .views import view_axes as view_axes

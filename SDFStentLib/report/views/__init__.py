@@ -15,6 +15,7 @@ from .picture import Look as Look
 from .picture import views_drawing as views_drawing
 from .picture import write_views as write_views
 from .planned import PlannedViews as PlannedViews
+from .planned import no_views as no_views
 from .planned import planned_views as planned_views
 from .planned import write_angiogram as write_angiogram
 from .sight import Sight as Sight

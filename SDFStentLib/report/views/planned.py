@@ -75,6 +75,11 @@ class PlannedViews:
         }
 
 
+def no_views(wishes: ViewWishes | None, reason: str) -> PlannedViews:
+    """The views of a plan that are not told, and why."""
+    return PlannedViews((), wishes or ViewWishes(), reason)
+
+
 def planned_views(result: PlanResult, *, hides_device: bool = False) -> PlannedViews:
     """The views of all stents that lie in the vessel in the end, or why there are none."""
     check_is_a(result, PlanResult, "result")
@@ -82,7 +87,7 @@ def planned_views(result: PlanResult, *, hides_device: bool = False) -> PlannedV
     try:
         return PlannedViews(_seen(result, wishes, hides_device), wishes)
     except InputError as error:
-        return PlannedViews((), wishes, str(error))
+        return no_views(wishes, str(error))
 
 
 def write_angiogram(
