@@ -194,7 +194,7 @@ class DeploySession:
         self._drawing.begin()
         self._run.start(
             self._logic.steps(self._parameterNode, live=live, standing=standing, mayGoOn=mayGoOn),
-            isSeen=live or isAtOnce or not self._isQuiet,
+            isSeen=live or not self._isQuiet,
         )
         if not (wasQuiet and self._isQuiet):  # else nothing else can be done than before
             self._onStart()
