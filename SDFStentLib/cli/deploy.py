@@ -38,16 +38,18 @@ from ..report import (
     Report,
     plan_report,
     planned_views,
+    voxel_facts,
     write_report,
     write_report_figure,
 )
+from ..scan import VoxelRange, treated_voxel_range
 from ..surface_formats import written_suffix
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console, tell
 from .flow_options import add_networks, known_of, no_flow
 from .option_table import method_of
 from .outputs import Outputs
-from .place import check_frame, check_place, frame_of, inputs_of, plan_of
+from .place import check_frame, check_place, frame_of, half_voxel_of, inputs_of, plan_of
 from .stent_options import check_sizes, device_of, stents_of
 
 NOT_CERTIFIED = 3
@@ -139,6 +141,7 @@ class _PlanJob:
         self.write_start = 0.0
         self.steps: StepFiles | None = None
         self.mesh: SurfaceFile | None = None
+        self.half_voxel: float | None = None
         self._picture: bytes | str = ""
 
     def add_common(self) -> None:
@@ -186,6 +189,7 @@ class _PlanJob:
             from ..report import known_frame
 
             known_frame(inputs.frame)
+        self.half_voxel = half_voxel_of(self.options, inputs)
         if self.options.device_mesh:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
             self.console.warn(self.mesh.warnings)
@@ -200,6 +204,8 @@ class _PlanJob:
         lost = self.outputs.write()
         cautions = [*self.result.warnings, *self.result.size_warnings, *lost]
         tell(self.result, cautions, self.console)
+        for sentence in voxel_facts(self._voxels).sentences if self._voxels else ():
+            self.console.say(sentence)
         written = ", ".join(self.outputs.names())
         self.console.say(f"Wrote {written} in {perf_counter() - start:.1f} s.")
         certificate = self.result.treatment.certificate
@@ -274,6 +280,15 @@ class _PlanJob:
         """Worked out once for all reports."""
         return planned_views(self._result, hides_device=self.options.hide_device)
 
+    @cached_property
+    def _voxels(self) -> VoxelRange | None:
+        """What half a voxel makes, where that was asked for."""
+        if self.half_voxel is None:
+            return None
+        with self.console.progress("Deploying half a voxel in and out") as show:
+            show(0.0)
+            return treated_voxel_range(self._result, self.half_voxel)
+
     @property
     def _result(self) -> PlanResult:
         assert self.result is not None
@@ -289,4 +304,5 @@ class _PlanJob:
             timings={"write": seconds},
             picture=picture,
             views=self._views,
+            voxels=self._voxels,
         )

@@ -23,13 +23,15 @@ from ..report import (
     lesions_csv,
     line_facts,
     output_facts,
+    voxel_facts,
 )
+from ..scan import voxel_range
 from ..stent import Stent, stent_axis
 from ..validation import InputError, as_number, one_line
 from ..vessel import SMALL_VESSEL
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, inputs_of, place_of
+from .place import check_place, half_voxel_of, inputs_of, place_of
 
 NOT_SOUND = 3
 
@@ -67,10 +69,14 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     inputs = inputs_of(options)
     lines, warnings = _lines(options, way, inputs, spacing)
     vessel, units = inputs.vessel, inputs.surface.units
+    half = half_voxel_of(options, inputs)
+    voxels = None if half is None else voxel_facts(voxel_range(vessel, half))
     warnings += [gap.labeled(f"{line.title}: ") for line in lines for gap in line.profile.gaps]
     outputs.write()
     if options.json:
         document = _document(inputs, lines, warnings, smallest)
+        if voxels:
+            document["voxel_range"] = voxels
         print(document_json(document), end="")
         return 0
     said: list[str] = []
@@ -79,6 +85,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         said.append(f"Proximal is the end at {filed} {units}; --root X Y Z names another one.")
         most = None if options.verbose else LINES
         said += lesion_lines(vessel.lesions, units, smallest, HOW, most)
+        said += voxels.sentences if voxels else []
     console.warn_shortly(warnings, max(LINES - len(said), 1), units, thing="part")
     print("\n".join(said), end="\n" if said else "")
     for line in lines:

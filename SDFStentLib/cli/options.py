@@ -49,6 +49,8 @@ OUTPUT = f"""\
 {HIDING}--steps DIR  the surface at every step, for ParaView
 --every MM  with --steps: only after so much of diameter
 --arrays  add displacement and stretch to the surface
+--voxel-range  deploy with the wall half a voxel in and out, too: ranges of lumen, stenosis and
+  pressure drop, for a surface from `prepare`; takes up to three times as long
 """
 
 
@@ -197,6 +199,7 @@ def _measure(command: argparse.ArgumentParser) -> None:
 {UNITS}--tables  the diameters along every branch, too
 {JSON}--csv F  write the table of lesions
 --smallest-vessel MM  count lesions in vessels below this diameter in one line (default 3)
+--voxel-range  lesions with the wall half a voxel in and out, too, of a surface from `prepare`
 {VERBOSE}{TALK}""",
     )
 
@@ -230,10 +233,7 @@ def _check(command: argparse.ArgumentParser) -> None:
 
 
 def _centerline(command: argparse.ArgumentParser) -> None:
-    command.description = (
-        "The centerlines of a bare surface, from its inlet to every outlet. Ends are open or "
-        "closed by flat caps."
-    )
+    command.description = "The centerlines of a bare surface; its ends are open, flat or round."
     add_table(command, SURFACE)
     add_table(command, "-o, --output F  VTP or VTK to write", required=True)
     add_table(

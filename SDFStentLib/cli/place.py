@@ -248,3 +248,16 @@ def in_mm(point: Sequence[float], units: str, option: str) -> NDArray[np.float64
         if not abs(value) < 1e300:
             raise InputError(f"{option}: expected three finite numbers, got {value}; correct it.")
     return np.array([scaled(value, MILLIMETERS[units]) for value in point])
+
+
+def half_voxel_of(options: argparse.Namespace, inputs: InputFiles) -> float | None:
+    """Half a voxel, mm, where its range is asked for; `InputError` where voxels are not known."""
+    half = inputs.surface.half_voxel
+    if not options.voxel_range:
+        return None
+    if half is None or inputs.vessel.centerline is None:
+        raise InputError(
+            f"{inputs.surface.path}: expected a surface that knows its voxels, and a centerline, "
+            "for --voxel-range, as `sdfstent prepare` writes them, got others; leave this out."
+        )
+    return half

@@ -44,9 +44,9 @@ from .polydata import surface_from_polydata as surface_from_polydata
 from .same_space import check_joined as check_joined
 from .same_space import check_same_space as check_same_space
 from .same_space import size_warnings as size_warnings
+from .surface_files import VOXEL_ARRAY as VOXEL_ARRAY
 from .surface_files import SurfaceFile as SurfaceFile
 from .surface_files import read_surface as read_surface
-from .surface_output import VOXEL_ARRAY as VOXEL_ARRAY
 from .surface_output import check_surface_output as check_surface_output
 from .surface_output import write_new_surface as write_new_surface
 from .surface_output import write_surface as write_surface

@@ -30,6 +30,9 @@ from .recognized import HEAD, recognized
 from .same_space import size_warnings
 from .triangulation import triangulated_polydata
 
+VOXEL_ARRAY = "VoxelSpacing"
+"""Field array of a surface that was made of voxels: their sizes along three axes, in its unit."""
+
 _PLAIN_DECODERS: dict[str, Decoder] = {
     ".stl": decode_stl,
     ".ply": decode_ply,
@@ -90,6 +93,15 @@ class SurfaceFile:
     def faces(self) -> NamedFaces | None:
         """The parts of the model, if the file names them."""
         return faces_of_polydata(self._polydata, self.surface, self.face_names)
+
+    @property
+    def half_voxel(self) -> float | None:
+        """Half the side of a cube as large as a voxel, mm, of a surface from voxels; else None."""
+        sides = self._polydata.GetFieldData().GetArray(VOXEL_ARRAY)
+        if sides is None or sides.GetNumberOfValues() != 3:
+            return None
+        volume = float(np.prod(vtk_to_numpy(sides), dtype=float))
+        return millimeters_per(self.units) * volume ** (1 / 3) / 2 if volume > 0 else None
 
     def polydata(self) -> vtkPolyData:
         """A copy of the polydata in the unit of the file, with all its arrays."""

@@ -36,7 +36,7 @@ from .polydata import (
     polygons_from_polydata,
     set_frame_of_polydata,
 )
-from .surface_files import SurfaceFile
+from .surface_files import VOXEL_ARRAY, SurfaceFile
 
 
 class _Encoded(NamedTuple):
@@ -282,10 +282,6 @@ def _turn(rows: NDArray[Any], indices: NDArray[np.int64], before: Points, after:
     side = np.where(dot(stored, before) < 0, -1.0, 1.0)
     has_normal = after.any(axis=1)
     rows[indices[has_normal]] = (side[:, None] * after)[has_normal]
-
-
-VOXEL_ARRAY = "VoxelSpacing"
-"""Field array of a surface that was made of voxels: their sizes along three axes, in its unit."""
 
 
 def write_new_surface(

@@ -63,8 +63,10 @@ from .reader import plan_from_document as plan_from_document
 from .run import PlanResult as PlanResult
 from .run import Today as Today
 from .run import as_read as as_read
+from .run import case_of as case_of
 from .run import flow_answer as flow_answer
 from .run import flow_model as flow_model
+from .run import flow_of_plan as flow_of_plan
 from .run import run_plan as run_plan
 from .run import treatment_of as treatment_of
 from .setting import by_rule as by_rule

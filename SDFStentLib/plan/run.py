@@ -70,11 +70,15 @@ def flow_of_plan(plan: Plan, vessel: Vessel, frame: Frame | None) -> FlowModel |
 
 
 def flow_answer(
-    model: FlowModel, vessel: Vessel, treated: TreatmentResult | None = None
+    model: FlowModel,
+    vessel: Vessel,
+    treated: TreatmentResult | None = None,
+    lesions: Sequence[Lesion] | None = None,
 ) -> FlowAnswer:
     """Pressures and flows before treatment and after it, over its stents and the lesions.
 
-    Where there are none, over the whole way to the farthest end.
+    Where there are none, over the whole way to the farthest end. Lesions are those of the vessel
+    unless others are given.
 
     A wave is solved by `svzerod` where that is installed. `DeploymentError` where that fails.
     """
@@ -84,7 +88,8 @@ def flow_answer(
         assert treated.centerline is not None
         after = vessel.followed.after(treated.centerline, treated.surface)
         parts = [Part(f"stent {one.row}", one.axis.points) for one in treated.final_stents]
-    for number, lesion in enumerate(vessel.lesions or (), start=1):
+    found = vessel.lesions or () if lesions is None else lesions
+    for number, lesion in enumerate(found, start=1):
         if lesion.reference_diameter >= SMALL_VESSEL:
             name, before = f"lesion {number}, {lesion.branch_name}", lesion.reference_diameter
             parts.append(Part(name, lesion.line.points, before))

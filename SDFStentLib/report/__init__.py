@@ -53,6 +53,7 @@ from .segments import prepared_document as prepared_document
 from .segments import prepared_page as prepared_page
 from .segments import prepared_sentences as prepared_sentences
 from .segments import segment_sentences as segment_sentences
+from .segments import voxel_facts as voxel_facts
 from .segments import write_segment as write_segment
 from .simulation import mesh_sentences as mesh_sentences
 from .simulation import simulation_document as simulation_document

@@ -39,6 +39,7 @@ def html_page(sections: Section, image: bytes | str | None = None) -> str:
         *_picture(image),
         *map(paragraph, today["sentences"] if today else ()),
         *lesion_table(lesions),
+        *map(paragraph, document.get("voxel_range", {}).get("sentences", ())),
         *(_lumen(document, lesions, title, stent) for title, stent in named),
         *branch_table(sections["branches"]),
         *apposition_table(sections["apposition"]),

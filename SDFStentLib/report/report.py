@@ -12,6 +12,7 @@ from ..cautions import Caution
 from ..files import atomic_path, check_suffix, write_bytes
 from ..lumen import REACH
 from ..plan import PlanResult
+from ..scan import VoxelRange
 from ..treatment import lumen_into
 from ..validation import as_path, check_is_a
 from ..version import VERSION
@@ -20,6 +21,7 @@ from .branches import branch_facts, stretch_facts
 from .changes import change_facts, input_facts, output_list, setting_facts
 from .flow import flow_section
 from .lesions import residual_facts, treated_lesion_facts
+from .segments import voxel_facts
 from .stents import stent_facts
 from .summary import today_facts
 from .views import PlannedViews, planned_views
@@ -140,6 +142,7 @@ def plan_report(
     timings: Mapping[str, float] | None = None,
     picture: bytes | str | None = None,
     views: PlannedViews | None = None,
+    voxels: VoxelRange | None = None,
 ) -> Report:
     """The report, ready to be written as JSON, page and figure.
 
@@ -154,6 +157,8 @@ def plan_report(
         For the page: a PNG as of `before_after_picture`, or why there is none.
     views : PlannedViews, optional
         As of `planned_views`, where these are known already.
+    voxels : VoxelRange, optional
+        Of the result, where that was asked for.
 
     Raises
     ------
@@ -172,6 +177,7 @@ def plan_report(
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "inputs": input_facts(result),
         **_subjects(result, units, arrays_kept=not lost),
+        **({} if voxels is None else {"voxel_range": voxel_facts(voxels)}),
         "views": planned_views(result) if views is None else views,
         "warnings": [caution.sentence(units=units) for caution in cautions],
         "settings": setting_facts(result),

@@ -1,8 +1,9 @@
 """Vessels that were made, in documents and words: a segment that was cut out, and one of a
-segmentation."""
+segmentation, with how exact numbers of it are."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
 from pathlib import Path
@@ -10,16 +11,16 @@ from typing import Any
 
 from ..files import MeshComplete
 from ..geometry import Line, signed_volume
-from ..scan import PreparedVessel
+from ..scan import PreparedVessel, Ranged, Span, VoxelRange
 from ..segment import Segment
 from ..treatment import ExtractedSegment
 from ..units import MILLIMETERS, Frame
 from ..validation import coordinates, plain
 from ..version import VERSION
-from .facts import LINES, Fact, Facts
+from .facts import LINES, Fact, Facts, listed
 from .html import file_part
 from .markup import beginning, heading, page, paragraph, picture, table
-from .words import RESEARCH_USE, document_json, millimeters
+from .words import RESEARCH_USE, UNKNOWN, document_json, millimeters, number_text
 
 SUMMARY = "segment.json"
 SEGMENT_FILES = frozenset({SUMMARY, "before", "after"})
@@ -255,3 +256,51 @@ def _prepared_facts(made: PreparedVessel) -> Facts:
             ),
         )
     )
+
+
+KINDS = (
+    ("minimum_diameters_mm", "minimum diameter", "mm", 2),
+    ("diameter_stenoses_percent", "stenosis by diameter", "%", 0),
+    ("minimum_lumens_mm", "narrowest lumen", "mm", 2),
+    ("pressure_drops_mmhg", "recovered pressure drop", "mmHg", 1),
+)
+"""Key, words, unit and digits of what there is a range of, as `VoxelRange` has it."""
+
+
+def voxel_facts(found: VoxelRange) -> Facts:
+    """Ranges as a document has them, and a sentence for each kind."""
+    where = f"With the wall half a voxel ({number_text(found.half, 2)} mm) in or out"
+    told = [
+        f"{where}, {words}: {listed([_words(one, unit, digits) for one in ranges], '; ')}."
+        for (_, words, unit, digits), ranges in zip(KINDS, found[1:], strict=True)
+        if ranges
+    ]
+    return Facts(
+        (
+            Fact("half_voxel_mm", after=found.half),
+            *(
+                Fact(key, after=_ranges(ranges))
+                for (key, *_), ranges in zip(KINDS, found[1:], strict=True)
+            ),
+            Fact("sentences", after=told),
+            *(Fact(words=sentence, level=LINES) for sentence in told),
+        )
+    )
+
+
+def _ranges(ranges: Sequence[Ranged]) -> list[dict[str, Any]]:
+    return [
+        {"name": one.name, "before": list(one.before), "after": one.after and list(one.after)}
+        for one in ranges
+    ]
+
+
+def _words(one: Ranged, unit: str, digits: int) -> str:
+    states = [_span(state, digits) for state in (one.before, one.after) if state is not None]
+    return f"{one.name} {' -> '.join(states)}" + f" {unit}" * (states[-1] != UNKNOWN)
+
+
+def _span(state: Span, digits: int) -> str:
+    if math.isnan(state[0]):
+        return UNKNOWN
+    return " to ".join(dict.fromkeys(number_text(one, digits) for one in state))

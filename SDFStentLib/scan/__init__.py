@@ -1,4 +1,5 @@
-"""From a segmentation to a vessel: its surface with flat ends, and its centerline."""
+"""From a segmentation to a vessel: its surface with flat ends, its centerline, and how exact
+numbers of it are."""
 
 from .contour import contoured as contoured
 from .labelmap import Labelmap as Labelmap
@@ -12,4 +13,9 @@ from .reader import ScanFile as ScanFile
 from .reader import Segmentation as Segmentation
 from .reader import read_scan as read_scan
 from .reader import read_segmentation as read_segmentation
+from .voxel_range import Ranged as Ranged
+from .voxel_range import Span as Span
+from .voxel_range import VoxelRange as VoxelRange
+from .voxel_range import treated_voxel_range as treated_voxel_range
+from .voxel_range import voxel_range as voxel_range
 from .wall_distance import wall_distance as wall_distance

@@ -1,0 +1,255 @@
+"""What half a voxel makes of the numbers of a vessel that was made of a scan.
+
+The wall is moved in and out along its normals by half a voxel. Lesions are measured again on both
+walls, and stents deployed in both: no formula tells how far a number is off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import oriented_triangles, vertex_normals
+from ..lumen import inscribed_spheres
+from ..plan import PlanResult, case_of, flow_answer, flow_of_plan
+from ..treatment import (
+    TreatedLesion,
+    TreatedStent,
+    TreatmentResult,
+    Vessel,
+    treated_lesions,
+    with_known_minima,
+)
+from ..validation import Floats, InputError, Points
+from ..vessel import Lesion, lesions_after
+
+Span = tuple[float, float]
+"""The smallest and the largest value; NaN where one of them is not known."""
+
+
+class Ranged(NamedTuple):
+    """One quantity of one thing, before treatment and after it."""
+
+    name: str
+    """Such as "lesion 1"."""
+    before: Span
+    after: Span | None = None
+
+
+class VoxelRange(NamedTuple):
+    """How far numbers go while the wall is anywhere within half a voxel of where it was found."""
+
+    half: float
+    """Half a voxel, mm."""
+    minima: tuple[Ranged, ...]
+    """Of lesions: inscribed diameters, mm,"""
+    stenoses: tuple[Ranged, ...]
+    """and percentages by diameter."""
+    lumens: tuple[Ranged, ...] = ()
+    """Of stents that lie in the vessel in the end: narrowest inscribed diameters, mm."""
+    drops: tuple[Ranged, ...] = ()
+    """Recovered pressure drops at the mean flow, mmHg."""
+
+
+def voxel_range(vessel: Vessel, half: float) -> VoxelRange:
+    """The range of a vessel's lesions.
+
+    Parameters
+    ----------
+    vessel : Vessel
+    half : float
+        Half a voxel, mm.
+    """
+    found = vessel.lesions or ()
+    walls = [found, *(wall.lesions for wall in _moved(vessel, half))]
+    return VoxelRange(
+        half,
+        _ranged(_named(found), [[one.minimum_diameter for one in wall] for wall in walls]),
+        _ranged(_named(found), [[one.percent_diameter for one in wall] for wall in walls]),
+    )
+
+
+def treated_voxel_range(result: PlanResult, half: float) -> VoxelRange:
+    """The range of a plan that was carried out: it is carried out on both walls, too.
+
+    Parameters
+    ----------
+    result : PlanResult
+    half : float
+        Half a voxel, mm.
+
+    Raises
+    ------
+    InputError
+        A lumen where a stent lies that is no wider than a voxel.
+    InputError, DeploymentError
+        As `Treatment`, for a wall that was moved.
+    """
+    narrowest = min(one.before.minimum for one in result.told.final_stents)
+    if narrowest <= 2 * half:
+        raise InputError(
+            f"voxel range: expected a lumen wider than a voxel, {2 * half:.2f} mm, where a stent "
+            f"lies, got {narrowest:.2f} mm: half a voxel closes it; leave the range out."
+        )
+    native = _Outcome(result.vessel, result.treatment, result.lesions or ())
+    walls = [native, *(_carried_out(result, one) for one in _moved(result.vessel, half))]
+    names = _named(native.lesions)
+    befores = [[one.before for one in wall.lesions] for wall in walls]
+    afters = [[one.after for one in wall.lesions] for wall in walls]
+    lumens = [_final(wall) for wall in walls]
+    drops = [] if result.flow is None else [_drops(result, wall) for wall in walls]
+    return VoxelRange(
+        half,
+        _ranged(
+            names,
+            [[one.minimum_diameter for one in wall] for wall in befores],
+            [[one.minimum_diameter for one in wall] for wall in afters],
+        ),
+        _ranged(
+            names,
+            [[one.percent_diameter for one in wall] for wall in befores],
+            [[one.percent_diameter for one in wall] for wall in afters],
+        ),
+        _ranged(
+            [f"stent {one.row}" for one in lumens[0]],
+            [[one.before.minimum for one in wall] for wall in lumens],
+            [[one.after.minimum for one in wall] for wall in lumens],
+        ),
+        _ranged(
+            () if result.flow is None else result.flow.parts,
+            [before for before, _ in drops],
+            [after for _, after in drops],
+        ),
+    )
+
+
+class _Outcome(NamedTuple):
+    """A plan carried out on one wall."""
+
+    vessel: Vessel
+    treatment: TreatmentResult
+    lesions: Sequence[TreatedLesion]
+
+
+def _named(lesions: Sequence[object]) -> list[str]:
+    return [f"lesion {number}" for number in range(1, len(lesions) + 1)]
+
+
+def _final(wall: _Outcome) -> list[TreatedStent]:
+    """The stents that lie in the vessel in the end, their narrowest places those of lesions."""
+    stents = with_known_minima(wall.treatment.stents, wall.lesions)
+    return [one for one in stents if one.again is None]
+
+
+class _Wall(NamedTuple):
+    """A vessel with its wall moved along its normals, its lesions measured there."""
+
+    vessel: Vessel
+    lesions: tuple[Lesion, ...]
+
+
+def _moved(vessel: Vessel, half: float) -> list[_Wall]:
+    """The wall moved in, and out, by half a voxel, mm."""
+    surface, native = vessel.surface, vessel.lesions or ()
+    inside = None if vessel.centerline is None else vessel.centerline.points
+    outward = oriented_triangles(surface.points, surface.triangles, inside)
+    ways = half * vertex_normals(surface.points, outward)
+    walls = []
+    for side in (-1, 1):
+        moved = replace(vessel, surface=surface.with_points(surface.points + side * ways))
+        found = _moved_lesions(native, vessel, moved)
+        if side < 0:
+            found = tuple(map(_closed, found, native, [half] * len(found)))
+        walls.append(_Wall(moved, found))
+    return walls
+
+
+def _closed(lesion: Lesion, native: Lesion, half: float) -> Lesion:
+    """A lesion without lumen where walls that come nearer by half a voxel meet: beyond that they
+    would have gone through each other."""
+    if not native.minimum_diameter <= 2 * half:
+        return lesion
+    return replace(lesion, minimum_diameter=0.0, percent_diameter=100.0)
+
+
+def _carried_out(result: PlanResult, wall: _Wall) -> _Outcome:
+    """The same stents at the same places in a vessel whose wall was moved."""
+    case = case_of(result.plan, result.inputs)
+    settings = replace(case.plan.settings, certify=False)
+    plan = replace(case.plan.in_frame(case.frame), stents=case.stents, settings=settings)
+    vessel = wall.vessel
+    treatment = replace(case, vessel=vessel, plan=plan).treatment().result
+    lesions = treated_lesions(wall.lesions, treatment.stents, treatment.surface, vessel.surface)
+    return _Outcome(vessel, treatment, lesions)
+
+
+def _drops(result: PlanResult, wall: _Outcome) -> tuple[list[float], list[float]]:
+    """Pressure drops over the parts of a flow, mmHg, before and after."""
+    model = flow_of_plan(result.plan, wall.vessel, result.inputs.frame)
+    assert model is not None
+    answer = flow_answer(model, wall.vessel, wall.treatment, result.vessel.lesions)
+    assert answer.after is not None
+    before, after = (
+        [one.recovered.value for one in state["mean"].drops]
+        for state in (answer.before, answer.after)
+    )
+    return before, after
+
+
+def _moved_lesions(lesions: Sequence[Lesion], vessel: Vessel, moved: Vessel) -> tuple[Lesion, ...]:
+    """The same lesions on a wall that was moved, against healthy vessel at the same places."""
+    places = [side for one in lesions for side in (one.proximal, one.distal) if side is not None]
+    if not places:
+        return tuple(lesions_after(lesions, moved.surface))
+    centers = np.array([place.point for place in places])
+    ways = _directions(vessel, centers)
+    inner, outer = (
+        2 * inscribed_spheres(one.surface.points, one.surface.triangles, centers, ways).radii
+        for one in (vessel, moved)
+    )
+    wider = dict(zip(map(id, places), (outer - inner).tolist(), strict=True))
+    return tuple(lesions_after([_with_reference(one, wider) for one in lesions], moved.surface))
+
+
+def _directions(vessel: Vessel, places: Points) -> Points:
+    """Along the vessel's lines, at places (n, 3) on them."""
+    lines = list(vessel.branches.values())
+    nearest = [line.nearest(places) for line in lines]
+    which = np.argmin([one.distances for one in nearest], axis=0)
+    return np.array(
+        [lines[k].directions[nearest[k].segments[n]] for n, k in enumerate(which.tolist())]
+    )
+
+
+def _with_reference(lesion: Lesion, wider: dict[int, float]) -> Lesion:
+    """A lesion whose reference is wider by what the vessel is at its healthy places, mm."""
+    sides = [side for side in (lesion.proximal, lesion.distal) if side is not None]
+    if not sides:
+        return lesion
+    at, by = [side.arc_length for side in sides], [wider[id(side)] for side in sides]
+
+    def more(along: Floats) -> Floats:
+        return np.asarray(np.interp(along, at, by))
+
+    healthy = lesion.healthy + more(lesion.start + lesion.line.arc_lengths)
+    return replace(lesion, healthy=healthy)
+
+
+def _ranged(
+    names: Sequence[str],
+    befores: Sequence[Sequence[float]],
+    afters: Sequence[Sequence[float]] | None = None,
+) -> tuple[Ranged, ...]:
+    """The spans of every thing over all walls, each with a value for it."""
+    first = [_span(one) for one in zip(*befores, strict=True)]
+    if afters is None:
+        return tuple(map(Ranged, names, first))
+    return tuple(map(Ranged, names, first, (_span(one) for one in zip(*afters, strict=True))))
+
+
+def _span(values: Iterable[float]) -> Span:
+    found = np.array(list(values))
+    return float(found.min()), float(found.max())
