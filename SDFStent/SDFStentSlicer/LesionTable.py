@@ -228,7 +228,9 @@ SHOWN = "percent_diameter", "minimum.diameter_mm", "extent.length_mm"
 def _texts(facts, side):
     # What the vessel leads to is in the tooltip: there is little room.
     name = facts.value("branch_name").partition(" (")[0]
-    if name.startswith("branch "):  # by its size, which tells nobody which one it is
+    if name.startswith("main branch"):  # both are called so
+        name = _("{side} main branch").format(side=side)
+    elif name.startswith("branch "):  # by its size, which tells nobody which one it is
         name = _("{side}, generation {generation}").format(
             side=side, generation=facts.value("generation")
         )

@@ -348,6 +348,8 @@ def test_a_lesion_that_nobody_named_is_called_by_side_and_generation(host, theIn
     nameless = replace(lesion, branch_name="branch of 5.7 mm from 75 mm on (3 outlets)")
     nameless = replace(nameless, generation=3)
     assert _texts(lesion_facts(2, nameless), side)[0] == "2 left, generation 3"
+    nameless = replace(lesion, branch_name="main branch of 6.4 mm (35 outlets)", generation=1)
+    assert _texts(lesion_facts(1, nameless), side)[0] == "1 left main branch"
 
 
 @pytest.mark.parametrize(("height", "rows"), [(500, 2), (900, None), (1600, 11)])
