@@ -185,9 +185,10 @@ class LesionTable:
             self._plotting.start(self._plotted(self._search, row))
 
     def _plotted(self, search, row):
-        """Plot a lesion once the vessel on both sides of it is measured; yields until then."""
+        """Plot a lesion once the vessel on both sides of it is measured, unless there is a result then; yields until then."""
         around = yield from working(search.around(search.found[row]))
-        self._marks.plot(row, around)
+        if self._parameterNode.outputChart is None:  # there may be a result by now
+            self._marks.plot(row, around)
         yield 1.0
 
     @staticmethod

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import deploy, suggest, theThroat
+from panel_helpers import deploy, settle, suggest, theThroat
 from PIL import Image
 from PySide6 import QtGui
 
@@ -350,6 +350,26 @@ def test_a_lesion_that_nobody_named_is_called_by_side_and_generation(host, theIn
     assert _texts(lesion_facts(2, nameless), side)[0] == "2 left, generation 3"
     nameless = replace(lesion, branch_name="main branch of 6.4 mm (35 outlets)", generation=1)
     assert _texts(lesion_facts(1, nameless), side)[0] == "1 left main branch"
+
+
+def test_a_lesion_is_not_plotted_over_a_result_that_came_meanwhile(host, aStent, monkeypatch):
+    lesions, selection = aStent.lesions, slicer.app.applicationLogic().GetSelectionNode()
+    host.processUntil(lambda: not lesions.isBusy)
+    search, isHeld = lesions._search, True
+    around = search.around
+
+    def held(lesion):
+        while isHeld:  # Ends: when the test has its result.
+            yield None
+        return (yield from around(lesion))
+
+    monkeypatch.setattr(search, "around", held)
+    lesions._plot(0)
+    host.click(aStent.ui.deployButton)
+    host.processUntil(lambda: aStent._parameterNode.outputChart is not None)
+    isHeld = False
+    settle(host, aStent)
+    assert selection.GetActivePlotChartID() == aStent._parameterNode.outputChart.GetID()
 
 
 @pytest.mark.parametrize(("height", "rows"), [(500, 2), (900, None), (1600, 11)])
