@@ -90,6 +90,11 @@ TEMPLATES = {
     ),
     # Segments
     "label-bits": "{count} loose parts of the label, {volume_mm3:.3g} mm3, were left out.",
+    "thin-bridge": (
+        f"The label is two voxels wide or less at {_AT}, between parts that are five wide or more: "
+        "two vessels that touch, to be parted by Segment Editor, or a throat too narrow for its "
+        "voxels."
+    ),
     "image-ends": "The image cuts the vessel at {names}; these ends lie along its border.",
     "end-moved": (
         "The {end} of the segment was moved {distance_mm:.1f} mm into it, to ({x:.4g}, {y:.4g}, "

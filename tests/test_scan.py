@@ -73,6 +73,7 @@ def test_the_surface_is_closed_and_wound_outward(vessel):
     found = check_surface(vessel.surface)
     assert found.passed
     assert found.is_watertight
+    assert vessel.warnings == ()
     assert signed_volume(vessel.surface.points, vessel.surface.triangles) > 0
 
 
@@ -148,6 +149,16 @@ def test_bits_that_hang_free_are_left_out_and_hollows_filled(fork):
     assert (found.left_out, found.left_volume, found.filled) == (1, 8, 1)
     said = " ".join(one.sentence() for one in prepared_vessel(labelmap(mask)).warnings)
     assert "1 loose parts of the label, 8 mm3, were left out." in said
+
+
+def test_vessels_that_touch_are_told_and_where():
+    """Two tubes across each other, 4 and 3 mm in radius, whose walls touch."""
+    across = ((-30, 7, 30), (30, 7, 30), 3, 3)
+    mask, low = voxels([((0, 0, 0), (0, 0, 60), 4, 4), across], SIDE)
+    made = prepared_vessel(labelmap(mask, SIDE, low))
+    (found,) = [one for one in made.warnings if one.kind == "thin-bridge"]
+    assert np.linalg.norm(np.array(found.place) - (0, 4, 30)) < 2 * SIDE
+    assert "two vessels that touch" in found.sentence()
 
 
 def test_segments_are_chosen_by_name_number_and_layer(tmp_path, fork):

@@ -5,6 +5,7 @@ from .contour import contoured as contoured
 from .labelmap import Labelmap as Labelmap
 from .labelmap import LabelPiece as LabelPiece
 from .labelmap import largest_piece as largest_piece
+from .labelmap import thin_bridges as thin_bridges
 from .prepared import VOXEL_ERROR as VOXEL_ERROR
 from .prepared import PreparedEnd as PreparedEnd
 from .prepared import PreparedVessel as PreparedVessel

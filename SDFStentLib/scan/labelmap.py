@@ -115,6 +115,26 @@ def largest_piece(labelmap: Labelmap) -> LabelPiece:
     )
 
 
+def thin_bridges(labelmap: Labelmap) -> Points:
+    """Places (k, 3), LPS, mm, where nothing wider than two voxels joins parts of five or more."""
+    from scipy.ndimage import binary_erosion, label
+    from scipy.spatial import cKDTree
+
+    core = binary_erosion(labelmap.mask)
+    labels, _ = label(core, structure=np.ones((3, 3, 3), dtype=bool))
+    # What is five voxels wide has something left once two layers are off.
+    wide = np.unique(labels[binary_erosion(core)])
+    parts = sorted((np.argwhere(labels == number) for number in wide), key=len, reverse=True)
+    found = []
+    for number, part in enumerate(parts[1:], start=1):
+        # The nearest of the larger parts: that is the one it hangs on.
+        others = np.concatenate(parts[:number])
+        away, nearest = cKDTree(others).query(part)
+        closest = int(away.argmin())
+        found.append((part[closest] + others[nearest[closest]]) / 2)
+    return labelmap.in_patient(np.reshape(found, (-1, 3)) * labelmap.spacing)
+
+
 def _box(mask: Flags) -> tuple[slice, ...]:
     from scipy.ndimage import find_objects
 

@@ -16,7 +16,7 @@ from ..validation import DeploymentError, Floats, Points, as_place
 from .contour import contoured, largest_part
 from .cut_lines import lines_between
 from .ends import Border, RoundEnd, flat_ends, round_ends_of
-from .labelmap import AROUND, Labelmap, LabelPiece, largest_piece
+from .labelmap import AROUND, Labelmap, LabelPiece, largest_piece, thin_bridges
 from .wall_distance import wall_distance
 
 PIECE, WALL, LINES = 0.05, 0.4, 0.9
@@ -215,6 +215,8 @@ def _of_label(piece: LabelPiece, ends: Sequence[PreparedEnd]) -> list[Caution]:
     if piece.left_out:
         numbers = {"count": piece.left_out, "volume_mm3": piece.left_volume}
         found.append(Caution("label-bits", numbers))
+    bridges = thin_bridges(piece.labelmap)
+    found += [Caution("thin-bridge", {}, as_place(place)) for place in bridges]
     names = [end.name for end in ends if end.is_at_border]
     if names:
         found.append(Caution("image-ends", {"names": ", ".join(names)}))
