@@ -91,9 +91,7 @@ TEMPLATES = {
     # Segments
     "label-bits": "{count} loose parts of the label, {volume_mm3:.3g} mm3, were left out.",
     "thin-bridge": (
-        f"The label is two voxels wide or less at {_AT}, between parts that are five wide or more: "
-        "two vessels that touch, to be parted by Segment Editor, or a throat too narrow for its "
-        "voxels."
+        f"The label is but two voxels wide at {_AT}, between wider parts: part vessels that touch."
     ),
     "image-ends": "The image cuts the vessel at {names}; these ends lie along its border.",
     "end-moved": (
@@ -110,14 +108,12 @@ TEMPLATES = {
         "no line of the centerline leads there; give a centerline with all branches."
     ),
     "hole": (
-        "The wall is open at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, {diameter_mm:.1f} mm wide, "
-        "where no centerline ends: closed as wall, face {name}; where it is an outlet, give a "
-        "centerline that ends there."
+        f"The wall is open at {_AT}, {{diameter_mm:.1f}} mm wide, where no centerline ends: closed "
+        "as wall, face {name}; where it is an outlet, give a centerline that ends there."
     ),
     "no-room-for-tube": (
         "{name} lies {distance_mm:.1f} mm nearer to the stent than it should, and there is no room "
-        "for a tube behind it at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}: pressures there are told "
-        "with doubt."
+        f"for a tube behind it at {_AT}: pressures there are told with doubt."
     ),
     # Plans
     "changed-input": "it is not the file the plan was made with; accepted as asked.",
@@ -270,8 +266,7 @@ TEMPLATES = {
         "was changed since; carry the plan out again."
     ),
 }
-"""The sentence of each kind: its numbers by name, `x`, `y`, `z` of its place, `thing` for what was
-placed, and the remedies, which are empty where who reads has none."""
+"""Sentences by kind: with numbers, `x`, `y`, `z` of a place, the `thing` placed, and remedies."""
 
 GRAVEST = (
     "unusual-size", "unusual-extent", "unit-in-file", "partly-outside", "jagged-line",

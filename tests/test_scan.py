@@ -158,7 +158,7 @@ def test_vessels_that_touch_are_told_and_where():
     made = prepared_vessel(labelmap(mask, SIDE, low))
     (found,) = [one for one in made.warnings if one.kind == "thin-bridge"]
     assert np.linalg.norm(np.array(found.place) - (0, 4, 30)) < 2 * SIDE
-    assert "two vessels that touch" in found.sentence()
+    assert "part vessels that touch" in found.sentence()
 
 
 def test_segments_are_chosen_by_name_number_and_layer(tmp_path, fork):
