@@ -12,8 +12,9 @@ from ..picture.drawing import GRAY, INK, Box, Disc, Mark, Stroke, Words
 from .facts import ToldViews
 
 LEVELS = (0.1, 0.2, 0.4)
-"""Foreshortenings that are drawn as lines: from what a computed view keeps below to what views
-chosen by eye had at most (Green et al., Catheter Cardiovasc Interv 2005: 0 to 50 %)."""
+"""Shares foreshortened, and covered, that are drawn as lines: from what a computed view keeps below
+to what views chosen by eye had at most (Green et al., Catheter Cardiovasc Interv 2005: 0 to
+50 %)."""
 
 LINE, COVER = "#08519c", (179, 88, 6)
 """Colors of the lines, and of what is covered."""
@@ -23,7 +24,9 @@ def map_marks(told: ToldViews, left: float, top: float, width: float) -> list[Ma
     """The map, RAO to LAO from left to right and CRA above CAU, below its heading."""
     grid = told.found.map
     step = width / len(grid.primary)
-    marks: list[Mark] = [*_cells(grid, left, top, step), *_lines(grid, left, top, step)]
+    marks: list[Mark] = [*_cells(grid, left, top, step)]
+    marks += _lines(grid.covered, _color(1.0), left, top, step)
+    marks += _lines(grid.foreshortening, LINE, left, top, step)
     marks += _axes(grid, left, top, step)
     place = _Placed(grid, left, top, step)
     views = [("1", told.found.best), ("2", told.found.second), ("x", told.found.worst)]
@@ -33,8 +36,9 @@ def map_marks(told: ToldViews, left: float, top: float, width: float) -> list[Ma
             marks += [Disc(x, y, 9, "#ffffff"), Words(name, x, y + 5, 14, INK, is_bold=True)]
     bottom = top + step * len(grid.secondary)
     levels = ", ".join(f"{100 * level:.0f} %" for level in LEVELS)
-    marks.append(Words(f"lines: foreshortened {levels}", left, bottom + 62, 13, LINE, "start"))
-    note = "brown: under other vessels, the darker the more; gray: not reached"
+    note = f"blue lines: foreshortened {levels}, the thicker the more"
+    marks.append(Words(note, left, bottom + 62, 13, LINE, "start"))
+    note = "brown, and lines for the same: under other vessels; gray: not reached"
     marks.append(Words(note, left, bottom + 82, 13, _color(1.0), "start"))
     note = "1, 2: best and second view, x: the worst"
     marks.append(Words(note, left, bottom + 102, 13, INK, "start"))
@@ -78,15 +82,14 @@ def _color(share: float) -> str:
     return "#" + bytes(mixed).hex()
 
 
-def _lines(grid: ViewMap, left: float, top: float, step: float) -> Iterator[Mark]:
-    values = grid.foreshortening[:, ::-1].T
+def _lines(shares: Floats, color: str, left: float, top: float, step: float) -> Iterator[Mark]:
     for level in LEVELS:
-        for start, end in contour(values, level):
+        for start, end in contour(shares[:, ::-1].T, level):
             corners = [
                 (float(left + (x + 0.5) * step), float(top + (y + 0.5) * step))
                 for y, x in (start, end)
             ]
-            yield Stroke(corners, LINE, 1.0 + level * 4)
+            yield Stroke(corners, color, 1.0 + level * 4)
 
 
 def contour(values: Floats, level: float) -> Floats:
