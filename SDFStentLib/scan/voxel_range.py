@@ -14,15 +14,8 @@ import numpy as np
 
 from ..geometry import oriented_triangles, vertex_normals
 from ..lumen import inscribed_spheres
-from ..plan import PlanResult, case_of, flow_answer, flow_of_plan
-from ..treatment import (
-    TreatedLesion,
-    TreatedStent,
-    TreatmentResult,
-    Vessel,
-    treated_lesions,
-    with_known_minima,
-)
+from ..plan import PlanResult, TreatedCase, case_of, flow_answer, flow_of_plan
+from ..treatment import Vessel
 from ..validation import Floats, InputError, Points
 from ..vessel import Lesion, lesions_after
 
@@ -94,12 +87,14 @@ def treated_voxel_range(result: PlanResult, half: float) -> VoxelRange:
             f"voxel range: expected a lumen wider than a voxel, {2 * half:.2f} mm, where a stent "
             f"lies, got {narrowest:.2f} mm: half a voxel closes it; leave the range out."
         )
-    native = _Outcome(result.vessel, result.treatment, result.lesions or ())
-    walls = [native, *(_carried_out(result, one) for one in _moved(result.vessel, half))]
-    names = _named(native.lesions)
-    befores = [[one.before for one in wall.lesions] for wall in walls]
-    afters = [[one.after for one in wall.lesions] for wall in walls]
-    lumens = [_final(wall) for wall in walls]
+    walls: list[PlanResult | TreatedCase] = [
+        result,
+        *(_carried_out(result, one) for one in _moved(result.vessel, half)),
+    ]
+    names = _named(result.lesions or ())
+    befores = [[one.before for one in wall.lesions or ()] for wall in walls]
+    afters = [[one.after for one in wall.lesions or ()] for wall in walls]
+    lumens = [wall.told.final_stents for wall in walls]
     drops = [] if result.flow is None else [_drops(result, wall) for wall in walls]
     return VoxelRange(
         half,
@@ -126,22 +121,8 @@ def treated_voxel_range(result: PlanResult, half: float) -> VoxelRange:
     )
 
 
-class _Outcome(NamedTuple):
-    """A plan carried out on one wall."""
-
-    vessel: Vessel
-    treatment: TreatmentResult
-    lesions: Sequence[TreatedLesion]
-
-
 def _named(lesions: Sequence[object]) -> list[str]:
     return [f"lesion {number}" for number in range(1, len(lesions) + 1)]
-
-
-def _final(wall: _Outcome) -> list[TreatedStent]:
-    """The stents that lie in the vessel in the end, their narrowest places those of lesions."""
-    stents = with_known_minima(wall.treatment.stents, wall.lesions)
-    return [one for one in stents if one.again is None]
 
 
 class _Wall(NamedTuple):
@@ -175,18 +156,16 @@ def _closed(lesion: Lesion, native: Lesion, half: float) -> Lesion:
     return replace(lesion, minimum_diameter=0.0, percent_diameter=100.0)
 
 
-def _carried_out(result: PlanResult, wall: _Wall) -> _Outcome:
+def _carried_out(result: PlanResult, wall: _Wall) -> TreatedCase:
     """The same stents at the same places in a vessel whose wall was moved."""
     case = case_of(result.plan, result.inputs)
     settings = replace(case.plan.settings, certify=False)
     plan = replace(case.plan.in_frame(case.frame), stents=case.stents, settings=settings)
-    vessel = wall.vessel
-    treatment = replace(case, vessel=vessel, plan=plan).treatment().result
-    lesions = treated_lesions(wall.lesions, treatment.stents, treatment.surface, vessel.surface)
-    return _Outcome(vessel, treatment, lesions)
+    treatment = replace(case, vessel=wall.vessel, plan=plan).treatment().result
+    return TreatedCase(wall.vessel, treatment, wall.lesions)
 
 
-def _drops(result: PlanResult, wall: _Outcome) -> tuple[list[float], list[float]]:
+def _drops(result: PlanResult, wall: PlanResult | TreatedCase) -> tuple[list[float], list[float]]:
     """Pressure drops over the parts of a flow, mmHg, before and after."""
     model = flow_of_plan(result.plan, wall.vessel, result.inputs.frame)
     assert model is not None
