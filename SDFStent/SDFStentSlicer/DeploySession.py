@@ -103,7 +103,7 @@ class DeploySession:
         if not isAlone or Portions.countLeft() > MOST_LEFT or self._beforeFull():
             return
         self._stopRun()
-        self._frame.hold()  # until what has grown is drawn with it
+        self._frame.hold()  # for a moment: what has grown may be drawn with it
         self._settleTimer.start()
         self._begin(False, standing, isAtOnce=True)
 
@@ -182,6 +182,7 @@ class DeploySession:
         self._rest()
 
     def _settle(self):
+        self._frame.release()  # a large vessel takes long to grow, and a view that stands still looks broken
         self._isQuiet = False
         self._onStart()
 

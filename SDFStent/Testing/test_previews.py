@@ -168,6 +168,32 @@ def test_what_a_hand_lets_go_of_is_deployed_in_full_at_once(host, aStent, monkey
     assert drawn[first][1] == drawn[-1][1] != drawn[0][1]  # the stent as well
 
 
+def test_the_view_is_drawn_while_what_a_hand_let_go_of_takes_long_to_grow(
+    host, aStent, monkeypatch
+):
+    parameters, session, isHeld = aStent._parameterNode, aStent.session, True
+    steps = aStent.logic.steps
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+
+    def slow(*arguments, **more):
+        while isHeld:  # Ends: when the test has looked.
+            yield 0.0
+        yield from steps(*arguments, **more)
+
+    monkeypatch.setattr(aStent.logic, "steps", slow)
+    with host.drawing(0.001) as frames:
+        letGoAt(parameters.stent.handle, theThroat() + np.array([0.3, 0, 0]))
+        count = frames.count
+        host.application.view.group.InvokeEvent(vtk.vtkCommand.UpdateEvent)
+        host.processUntil(lambda: not session._settleTimer.isActive())
+        host.processUntil(lambda: frames.count > count, 20)
+    assert session.isRunning
+    isHeld = False
+    settle(host, aStent)
+    assert "prescribed 8.5 mm" in aStent.ui.lumenLabel.text
+
+
 def test_a_place_that_is_refused_is_shown_as_it_was_when_a_hand_lets_go(host, aStent):
     parameters = aStent._parameterNode
     aStent.ui.autoUpdateCheckBox.checked = True
