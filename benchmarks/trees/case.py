@@ -40,7 +40,7 @@ class TreeCase:
 def made_case(seed: int, number: int, data: Path, only: str | None = None) -> TreeCase:
     """The case of a number; every tenth, the fourth first, has no narrowing."""
     random = np.random.default_rng([seed, number])
-    tree, kind = _tree(random, number, data)
+    tree, kind = bare_tree(random, number, data)
     ends = ENDS[int(random.integers(len(ENDS)))]
     box = float(np.prod(np.ptp(tree.points, axis=0) + 2 * tree.radius.max()))
     step = max(0.4, (box / 45e6) ** (1 / 3))
@@ -71,7 +71,8 @@ def made_case(seed: int, number: int, data: Path, only: str | None = None) -> Tr
     return TreeCase(f"{number:04d}", after, wall, found, facts)
 
 
-def _tree(random: np.random.Generator, number: int, data: Path) -> tuple[VesselTree, str]:
+def bare_tree(random: np.random.Generator, number: int, data: Path) -> tuple[VesselTree, str]:
+    """The tree of a number before it is narrowed, and its kind."""
     if number % 2 and (data / MEASURED).is_file():
         tree = read_tree(data / MEASURED, 1.6 if random.uniform() < 0.85 else 1.0)
         kind = "pulmonary"

@@ -8,6 +8,7 @@ at a fork, half of them, have a row of their own.
 from __future__ import annotations
 
 import itertools
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -49,10 +50,7 @@ def hourglass_case(seed: int, number: int, data: Path, only: str | None = None) 
     """
     random = np.random.default_rng([seed, number, 2])
     name = _PATIENTS[number % len(_PATIENTS)]
-    whole = (
-        read_tree(data / name, 1.6) if name == MEASURED else resampled(tree_of_lines(data / name))
-    )
-    tree = turned(with_some_ends(whole, int(random.integers(18, 40)), random), random)
+    tree = bare_tree(number, data, random)
     chosen = [] if number % 10 == 4 else hourglasses(tree, 4, random)
     after = narrowed(tree, chosen)
     box = float(np.prod(np.ptp(tree.points, axis=0) + 2 * tree.radius.max()))
@@ -71,6 +69,17 @@ def hourglass_case(seed: int, number: int, data: Path, only: str | None = None) 
         "has_radius": bool(random.uniform() < 0.7),
     }  # fmt: skip
     return TreeCase(f"hourglass_{number:04d}", after, wall, found, facts)
+
+
+def bare_tree(number: int, data: Path, random: np.random.Generator) -> VesselTree:
+    """Some vessels of one of the patients, before they are narrowed."""
+    whole = _patient(data / _PATIENTS[number % len(_PATIENTS)])
+    return turned(with_some_ends(whole, int(random.integers(18, 40)), random), random)
+
+
+@lru_cache
+def _patient(path: Path) -> VesselTree:
+    return read_tree(path, 1.6) if path.name == MEASURED else resampled(tree_of_lines(path))
 
 
 def hourglasses(tree: VesselTree, count: int, random: np.random.Generator) -> list[MadeNarrowing]:

@@ -136,7 +136,7 @@ class NarrowingVerdict:
 
 
 def judged(
-    tree: VesselTree, wall: Wall, truths: Sequence[Truth], reported: Sequence[Reported]
+    tree: VesselTree, wall: Wall | None, truths: Sequence[Truth], reported: Sequence[Reported]
 ) -> tuple[list[NarrowingVerdict], list[str]]:
     """A verdict for every narrowing, and sentences about lesions that were invented."""
     left = list(reported)

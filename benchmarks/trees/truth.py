@@ -164,7 +164,9 @@ def profile(spheres: Spheres, stations: VesselCourse) -> tuple[np.ndarray, np.nd
 
 
 def truths(
-    before: tuple[VesselTree, Wall], after: tuple[VesselTree, Wall], narrowing: MadeNarrowing
+    before: tuple[VesselTree, Wall | None],
+    after: tuple[VesselTree, Wall | None],
+    narrowing: MadeNarrowing,
 ) -> list[Truth]:
     """The truth about a narrowing: one, or as many as healthy vessel separates.
 
@@ -227,12 +229,28 @@ def truths(
 
 
 def _measured(
-    tree: VesselTree, wall: Wall, vessel: np.ndarray, along: np.ndarray
+    tree: VesselTree, wall: Wall | None, vessel: np.ndarray, along: np.ndarray
 ) -> tuple[VesselCourse, np.ndarray, np.ndarray]:
-    """Stations, and centers (n, 3) and diameters (n,) of their spheres."""
+    """Stations, and centers (n, 3) and diameters (n,) of their spheres.
+
+    Without a wall they are those in the tree's own spheres.
+    """
     stations = course(tree, vessel, along)
+    if wall is None:
+        return stations, stations.points, width_in(tree, stations.points)
     spheres = Spheres(wall, stations.points, 2.2 * float(stations.radius.max()) + 1.0)
     return stations, *profile(spheres, stations)
+
+
+def width_in(tree: VesselTree, places: np.ndarray) -> np.ndarray:
+    """Diameters (n,) of the largest spheres about places in a tree's own spheres, mm."""
+    widest = float(tree.radius.max())
+    near = cKDTree(tree.points).query_ball_point(places, widest)
+    radii = [
+        (tree.radius[own] - np.linalg.norm(tree.points[own] - place, axis=1)).max(initial=0.0)
+        for own, place in zip(near, places, strict=True)
+    ]
+    return 2 * np.array(radii)
 
 
 def _plateau(
@@ -259,7 +277,9 @@ def _parts(along: np.ndarray, share: np.ndarray) -> list[tuple[int, int]]:
     return runs
 
 
-def degree_beside(tree: VesselTree, wall: Wall, place: np.ndarray, reach: float = 20.0) -> float:
+def degree_beside(
+    tree: VesselTree, wall: Wall | None, place: np.ndarray, reach: float = 20.0
+) -> float:
     """Degree, %, by which a vessel is narrower near a place than on both sides within `reach` mm.
 
     The narrower of the two sides counts, so that a tapering vessel has 0 %. Proximal of the
