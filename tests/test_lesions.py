@@ -540,6 +540,16 @@ def test_a_vessel_that_tapers_far_beyond_its_narrow_ostium_is_no_aneurysm():
     assert not narrowings(vessel_along(focal, parent=0))
 
 
+def test_a_narrow_ostium_is_told_though_a_throat_and_a_taper_follow():
+    """60 % were not told: far beyond, the vessel tapers to no more than its ostium."""
+    course = through(
+        (0, 4), (2, 4), (8, 10.4), (12, 11.4), (20, 7.7), (24, 6.9), (28, 2.7), (33, 7), (38, 7),
+        (46, 3), (80, 2.5),
+    )  # fmt: skip
+    first, _ = narrowings(vessel_along(course, parent=0))
+    assert (first.narrowest < 3, first.degree > 0.6) == (True, True)
+
+
 def test_a_valley_beside_a_deeper_throat_is_measured_up_to_that_only():
     """Between a trunk of 10.1 mm and healthy vessel of 6.2 mm beyond a throat a valley of 4.9 mm
     passed for the lesion: the throat was told as 50 % of 7.1 mm, not as 40."""

@@ -251,18 +251,16 @@ def _widest(caliber: Caliber, at: int, way: int, reach: float) -> float:
 def _one_sided(caliber: Caliber, at: int, way: int) -> float:
     """The same near a junction, but in an aneurysm.
 
-    That loses half of what it is wider as fast as a throat regains it, and beyond the vessel stays
-    as narrow as before.
+    That is widest in its middle third, and beyond it the vessel stays as narrow as before.
     """
     away, diameter, kept = _side(caliber, at, way)
     widest = _widest(caliber, at, way, ONE_SIDED_REACH)
     peak = int(np.argmax(kept == widest))
-    narrow = diameter[0] + REGAINED * (widest - diameter[0])
-    falls = diameter[peak:] <= narrow
-    is_focal = bool(falls[away[peak:] <= away[peak] + ONE_SIDED_REACH * widest].any())
-    beyond = diameter[peak:][away[peak:] <= REACH * widest]
-    back = np.flatnonzero(beyond <= diameter[0])
-    is_focal &= bool(len(back)) and bool(np.median(beyond[back[0] :]) <= diameter[0])
+    back = peak + np.flatnonzero(diameter[peak:] <= diameter[0])
+    is_focal = len(back) > 0 and bool(away[back[0]] <= 3 * away[peak])
+    if is_focal:
+        beyond = diameter[back[0] :][away[back[0] :] <= REACH * widest]
+        is_focal = bool(np.median(beyond) <= diameter[0])
     return float(diameter[0] if is_focal and widest >= ANEURYSM * diameter[0] else widest)
 
 
