@@ -108,6 +108,14 @@ def test_lines_of_a_patient_tell_the_lesions_that_lines_of_vmtk_tell(data_dir):
         assert abs(same.percent_diameter - lesion.percent_diameter) < 1.5
 
 
+def test_a_throat_that_goes_on_in_one_branch_is_told_once_whichever_line_leads_there():
+    """By its own line the sample had a second lesion, of 27 %, from the trunk into its right."""
+    made = branching_pulmonary_artery()
+    (lesion,) = find_lesions(made.surface, extract_centerline(made.surface).centerline)
+    assert lesion.percent_diameter == pytest.approx(40, abs=3)
+    assert np.linalg.norm(np.subtract(lesion.point, made.throat.point)) < 1.0
+
+
 def test_the_balls_are_those_of_a_plain_search():
     """Empty, through four points of the wall, inside; linked where they share three of them."""
     tube = stenosed_tube(3.0, 1.5, 20.0, 1.2)

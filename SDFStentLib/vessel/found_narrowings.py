@@ -23,7 +23,7 @@ from ..lumen import InscribedSpheres, LocalSurface, with_own_spheres
 from ..validation import Indices
 from .branch_lumen import tree_lumen
 from .caliber import VesselWay, vessel_ways
-from .narrowings import SMALLEST_DEGREE, Narrowing, Plateau, narrowings
+from .narrowings import EDGE_DEGREE, Narrowing, Plateau, narrowings
 from .runs import VesselRun, vessel_runs
 from .tree_around import limbs_of
 
@@ -114,21 +114,26 @@ class FoundNarrowing:
         """How wide its vessel should be where it is narrowest, mm."""
         return float(self.narrow.reference.at(np.array([self.narrow.narrowest]))[0])
 
+    def is_tighter_than(self, other: FoundNarrowing) -> bool:
+        """Whether less is left of its vessel than of another one's, by more than an edge is."""
+        left, others = 1 - self.narrow.degree, 1 - other.narrow.degree
+        return left <= (1 - EDGE_DEGREE) * others
+
     def holds(self, other: FoundNarrowing) -> bool:
         """Whether another one is narrowest in the lumen of this one.
 
-        That is the healthy lumen, for one of a lower degree; else that which is left of it: beside
-        it, an ostium in the wall of a narrowing may be narrower still.
+        That is the healthy lumen, but for one that is tighter: beside what is left of this one an
+        ostium in its wall may be narrower still.
         """
         along, start = self.run.along, -np.inf if self.is_at_ostium else self.narrow.start
         inner = (along >= start) & (along <= self.narrow.end)
         away = np.linalg.norm(self.run.points[inner] - other.run.points[other.narrowest], axis=1)
-        is_lower = other.narrow.degree <= self.narrow.degree
-        wide = self.narrow.reference.at(along[inner]) if is_lower else self.run.diameter[inner]
+        is_apart = other.is_tighter_than(self)
+        wide = self.run.diameter[inner] if is_apart else self.narrow.reference.at(along[inner])
         return bool((away < wide / 2).any())
 
     def continues(self, other: FoundNarrowing) -> bool:
-        """Whether another one goes on in this one, tighter by `SMALLEST_DEGREE`: in one throat.
+        """Whether another one goes on in this one, which is tighter: in one throat.
 
         Its vessel goes on in this one's, and they are no farther apart than it is wide.
         """
@@ -136,16 +141,15 @@ class FoundNarrowing:
             return False
         places = (one.run.points[one.narrowest] for one in (self, other))
         is_near = np.linalg.norm(np.subtract(*places)) < other.healthy
-        left, before = 1 - self.narrow.degree, 1 - other.narrow.degree
-        return bool(is_near and left <= (1 - SMALLEST_DEGREE) * before)
+        return bool(is_near and self.is_tighter_than(other))
 
 
 def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[FoundNarrowing]:
     """The narrowings of some vessels, each once.
 
-    What is narrowest in the lumen of a vessel's own one, or in the healthy lumen of one of a higher
-    degree, is that: a vessel comes before its branches, which begin in its wall. Where its throat
-    goes on in one branch, that is told; one from which several go on is its own.
+    What is narrowest in the lumen of a vessel's own one is that: a vessel comes before branches,
+    which begin in its wall. Where its throat goes on in one branch, and is tighter there, that is
+    told; one from which several go on is its own.
     """
     ways = vessel_ways(runs)
     every = [
