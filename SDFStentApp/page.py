@@ -334,28 +334,40 @@ class Page:
         be opened; a plan names its own unit. `segment` is the number of one of several."""
 
         def load() -> None:
-            wall = self.folders.existing(surface)
-            self.stop()
-            if ends_in(wall, SCANS):
-                isChosen = wall == self._scan and type(segment) is int
-                if not isChosen:
-                    self._on_segments([])
-                self._scan = wall
-                self.scans.prepare(wall, segment if isChosen else -1)
-                return
-            self._scan = None
-            self._on_segments([])
+            isNamed = surface == str(self._scan)  # as at the start, from wherever it is
+            wall = Path(surface) if isNamed else self.folders.existing(surface)
             line = self.folders.existing(centerline) if centerline else None
-            scene = self.application.scene
-            if wall.suffix.lower() in PLANS:
-                self._opened(open_plan(scene, wall, self.folders))
-            else:
-                self._opened(open_vessel(scene, wall, line, units))
+            self._open(wall, line, units, self.folders, segment)
 
         if surface:
             self.attempt(load)
         else:
             self.say("Open: expected the path of a surface, got none; type or choose one.")
+
+    def _open(
+        self,
+        wall: Path,
+        line: Path | None,
+        units: str,
+        folders: Folders | None,
+        segment: int = -1,
+    ) -> None:
+        """Open files; those that a plan names have to be in the folders, where there are some."""
+        self.stop()
+        if ends_in(wall, SCANS):
+            isChosen = wall == self._scan and type(segment) is int
+            if not isChosen:
+                self._on_segments([])
+            self._scan = wall
+            self.scans.prepare(wall, segment if isChosen else -1)
+            return
+        self._scan = None
+        self._on_segments([])
+        scene = self.application.scene
+        if wall.suffix.lower() in PLANS:
+            self._opened(open_plan(scene, wall, folders))
+        else:
+            self._opened(open_vessel(scene, wall, line, units))
 
     def stop(self) -> None:
         """Make no vessel of a segmentation."""
@@ -382,15 +394,14 @@ class Page:
         """Open the files named at the start of the server, which may be anywhere."""
 
         def load() -> None:
-            scene, opening = self.application.scene, self.opening
-            if (self.home / PLAN).is_file():  # it goes on
-                self._opened(open_plan(scene, self.home / PLAN, None))
-            elif opening.get("plan"):
-                self._opened(open_plan(scene, Path(opening["plan"]), None))
-            elif opening.get("surface"):
+            opening, kept = self.opening, self.home / PLAN
+            given = kept if kept.is_file() else opening.get("input")  # a kept one goes on
+            if given:
                 line = opening.get("centerline")
-                files = Path(opening["surface"]), line and Path(line)
-                self._opened(open_vessel(scene, *files, opening["units"]))
+                self._open(Path(given), line and Path(line), opening["units"], None)
+            if self._scan is not None:
+                with self.server.state as state:
+                    state.surfacePath = str(self._scan)  # where one of several is to be chosen
 
         self.attempt(load)
         if self.opening.get("demo") and self.parameters.vessel is None:

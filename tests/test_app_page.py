@@ -676,6 +676,22 @@ def test_a_segmentation_that_is_dropped_becomes_a_vessel_with_its_centerline(a_v
     assert again.read("centerline.vtp") != a_visit.archive().read("centerline.vtp")
 
 
+def test_a_page_may_begin_with_a_segmentation(a_browser, tmp_path):
+    mask, low = voxels(FORK, 0.9)
+    stack = np.stack([mask, np.roll(mask, 1, axis=0)], axis=-1).astype(np.uint8)
+    texts = named(artery=(1, 0), heart=(1, 1))
+    scan = write(tmp_path / "two.seg.nrrd", stack, low, 0.9, texts=texts)
+    server = AppServer(tmp_path / "workshop", scan)
+    visit = Visit(a_browser, server.address)
+    visit.until("message", "Segment: choose one of 2, then Open.")
+    visit.open_section()
+    visit.named("openButton").click()
+    visit.until("message", "Voxels of 0.9 mm: diameters")
+    visit.add_stent()
+    visit.context.close()
+    server.close()
+
+
 def test_a_fontan_is_told_from_each_caval_vein_and_its_inlets_are_set_in_the_page(
     a_visit, the_folder
 ):

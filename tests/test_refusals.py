@@ -259,6 +259,8 @@ REFUSED = {
     "app --folder nowhere": "nowhere: expected a folder, got none",
     "app --centerline c.vtp": "expected a surface beside it",
     "app --units cm": "--units: expected a surface beside it, got none",
+    "app scan.nii.gz --units cm": "--units: expected a surface beside it, got none",
+    "app scan.seg.nrrd --centerline c.vtp": "expected a surface beside it",
     "app tube.vtp --demo": "expected no file beside it",
     "app --port 70000": "expected 0 to 65535, got 70000",
     "app --pages 0": "expected at least 1, got 0",

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..plan import load_plan
+from ..scan_formats import SCAN_SUFFIXES
 from ..validation import InputError
 from .console import Console
 
@@ -69,16 +70,17 @@ def _opening(options: argparse.Namespace) -> dict[str, Any]:
             raise InputError(f"{folder}: expected a folder, got none; correct --folder.")
     _check_range(options)
     given = options.input
-    is_plan = given is not None and os.fspath(given).lower().endswith(".json")
+    name = "" if given is None else os.fspath(given).lower()
+    is_plan, is_surface = name.endswith(".json"), not name.endswith((".json", *SCAN_SUFFIXES))
     if options.demo and given is not None:
         raise InputError("--demo: expected no file beside it, got one; leave one of both out.")
-    if options.centerline is not None and (given is None or is_plan):
+    if options.centerline is not None and (given is None or not is_surface):
         raise InputError(
             "--centerline: expected a surface beside it, got none; name the surface first."
         )
-    if options.units != "mm" and (given is None or is_plan):
+    if options.units != "mm" and (given is None or not is_surface):
         raise InputError(
-            "--units: expected a surface beside it, got none; a plan names its own unit."
+            "--units: expected a surface beside it, got none; other files name their own unit."
         )
     for path in (given, options.centerline):
         if path is not None and not os.path.isfile(path):
@@ -87,8 +89,7 @@ def _opening(options: argparse.Namespace) -> dict[str, Any]:
         load_plan(given)
     return {
         "demo": options.demo,
-        "plan": os.path.abspath(given) if is_plan else None,
-        "surface": os.path.abspath(given) if given is not None and not is_plan else None,
+        "input": given and os.path.abspath(given),
         "centerline": options.centerline and os.path.abspath(options.centerline),
         "units": options.units,
         "folders": [os.path.abspath(folder) for folder in options.folder],

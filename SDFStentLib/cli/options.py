@@ -322,7 +322,7 @@ def _app(command: argparse.ArgumentParser) -> None:
         "Serve the panel of the Slicer module as a page for the browser, to this machine only "
         "unless told otherwise. Ctrl-C ends it."
     )
-    add_table(command, "input SURFACE|PLAN.json  what a page begins with", nargs="?")
+    add_table(command, "input SURFACE|PLAN.json|SEGMENTATION  what a page begins with", nargs="?")
     add_table(
         command,
         f"""\
