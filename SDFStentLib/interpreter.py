@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -24,3 +25,15 @@ def interpreter() -> str:
             f"expected the program {IN_SLICER} on the path to start a process, found none."
         )
     return found
+
+
+def own_program(module: str, *arguments: str) -> tuple[list[str], dict[str, str]]:
+    """Command and environment of a process that runs a module of this library.
+
+    The process finds the library where this one has found it, which an application may have done by
+    paths that are not those of the environment. Errors as of `interpreter`.
+    """
+    library = str(Path(__file__).resolve().parents[1])
+    paths = [library, *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+    return [interpreter(), "-m", module, *arguments], environment

@@ -31,7 +31,7 @@ FLOORS = (
     ("segment", "flow", "view"),
     ("treatment",),
     ("plan", "simulation"),
-    ("scan",),
+    ("scan", "beside"),
     ("report",),
     ("cohort",),
     ("cli",),
@@ -56,6 +56,7 @@ USES = {
     "plan": "geometry centerline files flow lumen stent deformation treatment vessel view",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
     "scan": "geometry centerline certificate lumen segment treatment vessel plan",
+    "beside": "treatment vessel plan",
     "report": "geometry centerline certificate lumen stent files treatment vessel segment flow "
     "plan simulation view scan",
     "cohort": "geometry centerline certificate stent files treatment plan report",
@@ -226,7 +227,7 @@ def test_the_panel_asks_the_plan_and_the_report_and_makes_no_stent_flow_or_treat
     panel = PROJECT / "SDFStent" / "SDFStentSlicer"
     known = {room_of(module) for path in panel.glob("*.py") for module in imports_of(path)}
     assert known & set(ROOMS) == {
-        *("plan", "report"),  # what is done, and what is told
+        *("plan", "beside", "report"),  # what is done, where, and what is told
         *("files", "geometry", "centerline", "lumen"),  # what nodes are, and are drawn as
         *("deformation", "certificate", "samples"),
     }
@@ -268,7 +269,7 @@ def test_only_the_gate_imports_vtk_and_nothing_imports_the_application():
 
 
 def test_the_method_imports_neither_vtk_nor_scipy_spatial():
-    reads = {"files", "simulation", "plan", "scan", "report", "cohort", "cli"}
+    reads = {"files", "simulation", "plan", "scan", "beside", "report", "cohort", "cli"}
     names = [room for room in ROOMS if room not in reads]
     program = (
         "import sys; [sys.modules.__setitem__(name, None) for name in ('slicer', 'qt', 'ctk')];"

@@ -5,7 +5,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from SDFStentLib.geometry import Precision
 
 from . import Dependencies, Flow, Plans, Previewing, Results
-from .Portions import inPortions, working
+from .Portions import ELSEWHERE, inPortions, isPortion, working
 from .Previewing import PreviewRun
 from .Stenting import Stenting
 
@@ -62,8 +62,7 @@ def measured(shown):
     run = shown.run
     if run is None or not run.recorded:
         return
-    for _part in run.measure():
-        yield 1.0
+    yield from working(run.measure(), fraction=lambda: 1.0)
     Results.showMeasured(shown.parameterNode, run)
     yield from flow(shown)
 
@@ -73,8 +72,7 @@ def flow(shown):
     run, known = shown.run, Flow.toldFlow(shown.parameterNode)
     if known == run.shownFlow:
         return
-    for _part in run.findFlow(known):
-        yield 1.0
+    yield from working(run.findFlow(known), fraction=lambda: 1.0)
     Results.showFlow(shown.parameterNode, run)
 
 
@@ -82,22 +80,22 @@ def _grow(shown, signature, run, surface=None):
     """Run the steps and show in a surface, where one is given, what has grown in the end, as a preview; yields the fraction done."""
     fraction = 0.0
     for state in run.steps():
-        if state is not None:
+        if not isPortion(state):
             fraction = state.fraction
             if surface is not None and state.deployment.is_grown:
                 grown = PreviewRun.grown(run, state)
                 grown.follow(shown.run)
                 Previewing.show(shown, surface, grown, signature)
                 Results.tellMeasuring(shown.parameterNode, run)
-        yield fraction
+        yield ELSEWHERE if state is ELSEWHERE else fraction
 
 
 def _expand(run, surface):
     """Run the steps and show them in a surface; yields the fraction done."""
     fraction = 0.0
     for state in run.steps():
-        if state is not None:
+        if not isPortion(state):
             fraction = state.fraction
             moved = state.deployment
             surface.show(state.before.points, moved.indices, moved.coordinates)
-        yield fraction
+        yield ELSEWHERE if state is ELSEWHERE else fraction

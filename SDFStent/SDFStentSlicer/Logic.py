@@ -12,6 +12,7 @@ from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import (
+    Calculating,
     Conversion,
     Dependencies,
     Deploying,
@@ -221,6 +222,7 @@ class SDFStentLogic(
     def prepared(self, parameterNode):
         """Make what the first preview and deployment of a vessel need; an iterator as `steps`."""
         if parameterNode.vessel is not None and parameterNode.centerline is not None:
+            Calculating.process.ready()
             yield from working(self._inputs.preview(parameterNode).prepared())
 
     def measure(self, parameterNode):

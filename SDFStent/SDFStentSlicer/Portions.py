@@ -7,6 +7,9 @@ import slicer
 
 from . import Clock
 
+ELSEWHERE = object()
+"""Portion of a calculation in another process: the turn ends, since waiting longer does not bring it on."""
+
 LONGEST_FRAME_S = 0.5
 FORGOTTEN_S = 1.0
 """Half-life of the time that the application was seen to need: not every turn has a frame before it."""
@@ -97,14 +100,18 @@ class SteppedRun:
         try:
             # Ends with the time, or with the iterator, whose values are never None.
             while value is None or time.perf_counter() < end:
-                value = next(self._iterator)
+                found = next(self._iterator)
+                if found is ELSEWHERE:
+                    break
+                value = found
         except StopIteration:
             self._finish(None)
         except Exception as error:
             # Every exception has to stop the timer, or it would fire for ever; the panel shows it.
             self._finish(error)
         else:
-            self._onProgress(value)
+            if value is not None:
+                self._onProgress(value)
 
     def _finish(self, error):
         self._timer.stop()
@@ -205,6 +212,19 @@ def inPortions(function):
     return outcome["value"]
 
 
+def isPortion(value):
+    """Whether a calculation has yielded this for a portion of it, and not one of its results."""
+    return value is None or value is ELSEWHERE
+
+
+def waiting(answer):
+    """Wait for another process: a generator that yields `ELSEWHERE` until `answer()` is a tuple with a value, and returns that."""
+    # Ends: with the answer; a caller who does not want to wait closes the generator.
+    while not (values := answer()):
+        yield ELSEWHERE
+    return values[0]
+
+
 def countLeft():
     """The number of functions that still run though nobody waits for them; waits a while for one, which would not
     advance otherwise."""
@@ -215,26 +235,22 @@ def countLeft():
 
 
 def working(portions, fraction=float):
-    """Yield the fraction done, which `fraction()` gives, for every portion of a calculation; returns the result of the
-    calculation."""
+    """Yield the fraction done, which `fraction()` gives, for every portion of a calculation that is done here; returns the
+    result of the calculation."""
     # Ends: with the calculation.
-    while (end := _next(portions)) is None:
-        yield fraction()
-    return end.value
+    while True:
+        try:
+            portion = next(portions)
+        except StopIteration as end:
+            return end.value
+        yield portion if portion is ELSEWHERE else fraction()
 
 
 def untilDone(portions):
     """Run all portions of a calculation at once, and return its result."""
     # Ends: with the calculation.
-    while (end := _next(portions)) is None:
-        pass
-    return end.value
-
-
-def _next(portions):
-    """Advance a calculation; None, or the `StopIteration` that ends it."""
-    try:
-        next(portions)
-    except StopIteration as end:
-        return end
-    return None
+    while True:
+        try:
+            next(portions)
+        except StopIteration as end:
+            return end.value

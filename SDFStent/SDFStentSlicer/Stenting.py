@@ -4,12 +4,11 @@ from typing import Any, NamedTuple
 
 from slicer.i18n import tr as _
 
-from SDFStentLib.plan import TreatedCase
 from SDFStentLib.validation import DeploymentError, InputError
 
-from .Lesions import withSections
+from . import Calculating
 from .PlanFields import REMEDIES
-from .Portions import inPortions
+from .Portions import inPortions, isPortion
 
 
 class DrawnStent(NamedTuple):
@@ -57,7 +56,7 @@ class Stenting:
         `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel, `remark`
         what to know of its surface.
         """
-        self._vessel, self._treatment = case.vessel, case.treatment()
+        self._calculation, self._treatment = Calculating.calculation(case)
         self.surface, self.centerline = case.vessel.surface, case.vessel.centerline
         self.points = self.surface.points
         self.recorded, self._axes = [], {}
@@ -69,19 +68,15 @@ class Stenting:
     def steps(self):
         """Deploy; yields a `TreatmentState` after every radius step.
 
-        And None about every 5 ms while a step is being computed: the last one of a stent also finishes and certifies the
-        lumen, which may take a second.
+        And a portion about every 5 ms while a step is being computed: the last one of a stent also finishes and certifies
+        the lumen, which may take a second.
         """
-        states = iter(self._treatment)
-        # Ends: a treatment has as many states as radius steps, whose number is bounded.
-        while True:
-            state = yield from inPortions(lambda: next(states, None))
-            if state is None:
-                break
-            if state.number not in self._axes:
-                self._follow()
-                self._axes[state.number] = DrawnStent.whole(state.placed)
-            self.recorded.append(state)
+        for state in self._calculation.states():
+            if not isPortion(state):
+                if state.number not in self._axes:
+                    self._follow()
+                    self._axes[state.number] = DrawnStent.whole(state.placed)
+                self.recorded.append(state)
             yield state
         self._follow()
 
@@ -103,23 +98,12 @@ class Stenting:
 
     def survey(self):
         """Measure what does not depend on the steps; yields None until it is done."""
-        yield from inPortions(lambda: self._treatment.survey)
+        yield from self._calculation.survey()
 
     def measure(self):
         """Diameters, certificate and lesions of the finished treatment; yields None until it is done."""
-        yield from self.survey()
-        result = yield from inPortions(lambda: self._treatment.result)
-        found = None
-        if self.search is not None:
-            yield from self.search.portions()
-            found = self.search.found
-        case = TreatedCase(self._vessel, result, found)
-        lesions = yield from inPortions(lambda: case.lesions)
-        yield from inPortions(
-            lambda: withSections([one.after for one in lesions or () if one.stents])
-        )
-        self.result = yield from inPortions(lambda: case.told)
-        self.case = case
+        case = yield from self._calculation.told(self.search)
+        self.result, self.case = case.told, case
 
     @property
     def lesions(self):

@@ -34,13 +34,13 @@ def knownResults(theModule):
     Results are found by the surfaces before and after, stents, centerline and settings. The library's own `Treatment`,
     with which results of the panel are compared, keeps none.
     """
-    from SDFStentSlicer import Plans, Stenting
+    from SDFStentSlicer import Calculating, Plans
 
     from SDFStentLib.treatment import Treatment
 
     known = {}
 
-    class KnownResult(Stenting.TreatedCase):
+    class KnownResult(Calculating.TreatedCase):
         @cached_property
         def lesions(self):
             found, after, before = self.found, self.treatment.surface, self.vessel.surface
@@ -95,7 +95,8 @@ def knownResults(theModule):
             made.__class__ = KnownTreatment
             return made
 
-    Plans.Case, Stenting.TreatedCase = KnownCase, KnownResult
+    Plans.Case, Calculating.TreatedCase = KnownCase, KnownResult
+    Calculating.process.use(False)
     return known
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..centerline import ExtractedLines
 from ..geometry import Surface, median_edge, norm
-from ..interpreter import interpreter
+from ..interpreter import own_program
 from ..validation import DeploymentError, InputError, Points
 
 OLDEST_PYTHON = (3, 12)
@@ -84,8 +84,8 @@ def extract_lines(surface: Surface, inlet: int, outlets: Sequence[int]) -> Extra
             outlets=np.asarray(outlets, dtype=np.int64),
         )
         program = f"{__package__}.vmtk_process"
-        command = [interpreter(), "-m", program, str(question), str(answer)]
-        run = subprocess.run(command, capture_output=True, check=False)
+        command, environment = own_program(program, str(question), str(answer))
+        run = subprocess.run(command, capture_output=True, check=False, env=environment)
         if run.returncode or not answer.is_file():
             raise _failure(surface, inlet, f"VMTK ended with code {run.returncode}")
         with np.load(answer) as data:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ...interpreter import interpreter
+from ...interpreter import own_program
 from ...validation import InputError
 from ..content import FileContent
 from ..recognized import HEAD, MODEL, in_words
@@ -37,9 +37,11 @@ def decode_vtkhdf(content: FileContent) -> StoredPolydata:
         raise InputError(f"{name}: expected a VTKHDF file, got {in_words(content.data[:HEAD])}.")
     with TemporaryDirectory(prefix="sdfstent-") as folder:
         program = f"{__package__.rpartition('.')[0]}.vtkhdf_process"
-        command = [interpreter(), "-m", program, str(content.path.resolve()), folder]
+        command, environment = own_program(program, str(content.path.resolve()), folder)
         try:
-            done = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT, check=False)
+            done = subprocess.run(
+                command, capture_output=True, timeout=TIME_LIMIT, check=False, env=environment
+            )
         except subprocess.TimeoutExpired as error:
             raise _unread(name, f"no answer in {TIME_LIMIT:g} s") from error
         findings, answer = Path(folder, FINDINGS), Path(folder, ANSWER)

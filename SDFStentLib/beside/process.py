@@ -1,0 +1,237 @@
+"""Treatments in a process of their own, beside an application that has to draw.
+
+An application that embeds Python lets one thread calculate at a time, and none while it draws. What
+a `TreatmentProcess` is asked for is calculated beside it: the states of a treatment, then all that
+is measured of it, to the bit as here.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import pickle
+import secrets
+import subprocess
+import threading
+from collections.abc import Sequence
+from dataclasses import replace
+from multiprocessing.connection import Connection, Listener
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..interpreter import own_program
+from ..plan import TreatedCase
+from ..treatment import Treatment, TreatmentState, Vessel
+from ..validation import DeploymentError
+from ..vessel import Lesion
+
+PROTOCOL = 5
+"""Of pickle; from 5 on an array that cannot be written to cannot be after it either."""
+
+
+class ProcessEnded(Exception):
+    """The process is gone; what it was asked for has to be calculated here."""
+
+
+class Request(NamedTuple):
+    """What the process is asked for; None in each field that is of another request. A number alone
+    asks for nothing more."""
+
+    number: int
+    """Of the treatment: answers to earlier ones are not read any more."""
+    held: list[Any] | None = None
+    """A vessel and what it holds, which later messages only name."""
+    treatment: Treatment | None = None
+    """A treatment that is to begin."""
+    lesions: tuple[Lesion, ...] | None = None
+    """Lesions of the vessel, by which the treatment that has grown"""
+    is_end: bool = False
+    """is to be told."""
+
+
+class Answer(NamedTuple):
+    """What the process answers to the request of a number."""
+
+    number: int
+    value: TreatmentState | TreatedCase | Exception | None
+    """A state; None after the last of them; all that was measured; or what was raised."""
+
+
+class Shared:
+    """Objects that both processes hold, and that messages name by their places among them."""
+
+    def __init__(self) -> None:
+        self._held: list[Any] = []
+        self._places: dict[int, int] = {}
+
+    def hold(self, objects: Sequence[Any]) -> None:
+        """Hold these and no others."""
+        self._held, self._places = [], {}
+        self.add(objects)
+
+    def add(self, objects: Sequence[Any]) -> None:
+        """Hold these, too, where that is not done yet."""
+        for one in objects:
+            if id(one) not in self._places:
+                self._places[id(one)] = len(self._held)
+                self._held.append(one)
+
+    def packed(self, message: Any) -> bytes:
+        """A message in bytes."""
+        stream, places = io.BytesIO(), self._places
+
+        class Pickler(pickle.Pickler):
+            def persistent_id(self, one: Any) -> int | None:
+                return places.get(id(one))
+
+        Pickler(stream, PROTOCOL).dump(message)
+        return stream.getvalue()
+
+    def unpacked(self, content: bytes) -> Any:
+        """The message in some bytes, which the other process has packed."""
+        held = self._held
+
+        class Unpickler(pickle.Unpickler):
+            def persistent_load(self, place: int) -> Any:
+                return held[place]
+
+        return Unpickler(io.BytesIO(content)).load()
+
+
+class TreatmentProcess:
+    """A process that carries out one treatment after another.
+
+    It is started at once, takes a second to be ready, and ends with this process or `end`.
+
+    Raises
+    ------
+    DeploymentError
+        There is no Python to start a process with.
+    """
+
+    def __init__(self) -> None:
+        key = secrets.token_bytes(32)
+        command, environment = own_program(f"{__package__}.program")
+        self._listener = Listener(authkey=key)
+        self._connection: Connection | None = None
+        self._waiting: list[bytes] = []
+        self._shared, self._number = Shared(), 0
+        self._vessel: Vessel | None = None
+        self._child = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, env=environment
+        )
+        assert self._child.stdin is not None
+        opening = [self._listener.address, key.hex()]
+        self._child.stdin.write(json.dumps(opening).encode() + b"\n")
+        self._child.stdin.flush()
+        self._starting = threading.Thread(target=self._connect, daemon=True)
+        self._starting.start()
+
+    @property
+    def pid(self) -> int:
+        """The number that the system has given to the process."""
+        return self._child.pid
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether it has been heard of."""
+        return self._connection is not None
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the process is gone."""
+        return self._child.poll() is not None
+
+    def begin(self, vessel: Vessel, treatment: Treatment) -> None:
+        """Treat a vessel: `answer` gives states, then None. What it does for another one it drops.
+
+        `ProcessEnded` where the process is gone.
+        """
+        self._number += 1
+        if vessel is not self._vessel:
+            held = [vessel.surface, *vars(vessel.surface).values(), vessel.centerline, vessel.faces]
+            held = [one for one in held if isinstance(one, np.ndarray) or hasattr(one, "__dict__")]
+            self._shared.hold([])
+            self._send(Request(self._number, held=[replace(vessel), *held]))
+            self._shared.hold([vessel, *held])
+            self._vessel = vessel
+        self._send(Request(self._number, treatment=treatment))
+
+    def finish(self, lesions: tuple[Lesion, ...] | None) -> None:
+        """Measure what has grown, by the lesions of the vessel: `answer` gives a `TreatedCase`.
+
+        `ProcessEnded` where the process is gone.
+        """
+        self._send(Request(self._number, lesions=lesions, is_end=True))
+        self._shared.add(lesions or ())
+
+    def leave(self) -> None:
+        """Drop what is being done: nobody waits for it any more."""
+        self._number += 1
+        with contextlib.suppress(ProcessEnded):
+            self._send(Request(self._number))
+
+    def answer(self, seconds: float) -> tuple[TreatmentState | TreatedCase | None, ...]:
+        """What has come next within some seconds: of nothing (), else one value.
+
+        Raises what the treatment raised, and `ProcessEnded` where the process is gone.
+        """
+        try:
+            connection = self._connected(seconds)
+            if connection is None or not connection.poll(seconds):
+                return ()
+            answer: Answer = self._shared.unpacked(connection.recv_bytes())
+        except (OSError, EOFError) as error:
+            self.end()
+            raise ProcessEnded from error
+        if answer.number != self._number:
+            return ()
+        if isinstance(answer.value, Exception):
+            raise answer.value
+        return (answer.value,)
+
+    def end(self) -> None:
+        """End the process, whatever it does."""
+        self._child.kill()
+        self._child.wait()
+        assert self._child.stdin is not None
+        self._child.stdin.close()
+        if self._connection is not None:
+            self._connection.close()
+        self._listener.close()
+
+    def _connect(self) -> None:
+        try:
+            self._connection = self._listener.accept()
+        except (OSError, EOFError):
+            return  # ended before it was ready
+
+    def _connected(self, seconds: float) -> Connection | None:
+        """The connection once there is one, with all sent that waits for it."""
+        if self._connection is None:
+            self._starting.join(seconds)
+        if self.has_ended:
+            raise ProcessEnded
+        if self._connection is not None:
+            # Ends: every round takes one away.
+            while self._waiting:
+                self._connection.send_bytes(self._waiting.pop(0))
+        return self._connection
+
+    def _send(self, request: Request) -> None:
+        self._waiting.append(self._shared.packed(request))
+        try:
+            self._connected(0.0)
+        except (OSError, EOFError) as error:
+            self.end()
+            raise ProcessEnded from error
+
+
+def treatment_process() -> TreatmentProcess | None:
+    """A new process, or None where there is no Python to start one with."""
+    try:
+        return TreatmentProcess()
+    except (DeploymentError, OSError):
+        return None

@@ -1,0 +1,92 @@
+"""Program of a `TreatmentProcess`: carries out the treatments that it is sent, one at a time."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+from multiprocessing.connection import Client, Connection
+from queue import SimpleQueue
+
+from ..plan import TreatedCase
+from ..treatment import Treatment, Vessel
+from .process import Answer, Request, Shared
+
+
+class Program:
+    """Answers the requests of a connection, the latest of them first."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection, self._shared = connection, Shared()
+        self._requests: SimpleQueue[bytes] = SimpleQueue()
+        self._vessel: Vessel | None = None
+        self._treatment: Treatment | None = None
+        threading.Thread(target=self._receive, daemon=True).start()
+
+    def run(self) -> None:
+        """Answer until the connection ends."""
+        # Ends with the process, when the other one closes the connection.
+        while True:
+            self._do(self._shared.unpacked(self._requests.get()))
+
+    def _receive(self) -> None:
+        """Read at once what comes, so that nobody waits who sends it; end when nobody sends."""
+        try:
+            # Ends with the connection.
+            while True:
+                self._requests.put(self._connection.recv_bytes())
+        except (OSError, EOFError):
+            os._exit(0)  # whatever is being calculated, nobody waits for it
+
+    def _do(self, request: Request) -> None:
+        if request.held is not None:
+            self._vessel = request.held[0]
+            self._shared.hold(request.held)
+            return
+        try:
+            if request.treatment is not None:
+                self._treatment = request.treatment
+                self._grow(request.number, request.treatment)
+            elif request.is_end and self._vessel is not None and self._treatment is not None:
+                self._finish(request, self._vessel, self._treatment)
+        except Exception as error:  # also a fault of ours: it is told where somebody sees it
+            self._tell(Answer(request.number, error))
+
+    def _grow(self, number: int, treatment: Treatment) -> None:
+        for state in treatment:
+            self._tell(Answer(number, state))
+            if not self._requests.empty():
+                return
+        self._tell(Answer(number, None))
+        # Nobody asks before the lesions are known.
+        _ = treatment.survey
+        if self._requests.empty():
+            _ = treatment.result
+
+    def _finish(self, request: Request, vessel: Vessel, treatment: Treatment) -> None:
+        self._shared.add(request.lesions or ())
+        case = TreatedCase(vessel, treatment.result, request.lesions)
+        if self._requests.empty():
+            for lesion in case.lesions or ():
+                if lesion.stents:
+                    _ = lesion.after.section
+            _ = case.told
+            self._tell(Answer(request.number, case))
+
+    def _tell(self, answer: Answer) -> None:
+        self._connection.send_bytes(self._shared.packed(answer))
+
+
+def main() -> None:
+    """Connect to the process that has started this one, by what it writes on stdin."""
+    address, key = json.loads(sys.stdin.readline())
+    try:
+        connection = Client(address, authkey=bytes.fromhex(key))
+    except (OSError, EOFError):
+        return  # the other one is gone already
+    Program(connection).run()
+
+
+if __name__ == "__main__":
+    main()
