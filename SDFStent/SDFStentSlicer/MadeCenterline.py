@@ -1,6 +1,4 @@
-"""A centerline that is made of nothing but the vessel's surface, and the button for that."""
-
-import time
+"""A centerline that is made of nothing but the vessel's surface."""
 
 from slicer.i18n import tr as _
 
@@ -9,7 +7,7 @@ from SDFStentLib.plan import vessel_of
 from SDFStentLib.validation import InputError
 
 from . import Conversion
-from .Portions import SteppedRun, inPortions, working
+from .Portions import inPortions
 from .SampleVessels import addModel
 
 
@@ -38,69 +36,3 @@ def portions(parameterNode, inputs):
     former, parameterNode.centerline = parameterNode.centerline, made
     parameterNode.status = "\n".join(map(str, found.warnings))
     return former
-
-
-class CenterlineButton:
-    """Makes a centerline of the vessel that is shown; while it does so, another click stops it.
-
-    `attempt(action)` does what is asked for and says why when it cannot be done; `onMade(former)` is called with the centerline that was
-    chosen before, or None.
-    """
-
-    def __init__(self, button, logic, attempt):
-        self._button, self._logic, self._attempt, self._text = button, logic, attempt, button.text
-        self.onMade = lambda _former: None
-        self._parameterNode = self._vessel = self._former = self._begun = None
-        self._run = SteppedRun(self._onProgress, self._finished)
-        button.connect("clicked()", self._onClicked)
-
-    @property
-    def isRunning(self):
-        """Whether a centerline is being made."""
-        return self._run.isRunning
-
-    def show(self, parameterNode):
-        """The parameter node that is shown now, or None; what is made for another vessel is not made."""
-        self._parameterNode = parameterNode
-        if self.isRunning and self._vessel != _vesselOf(parameterNode):
-            self.stop()
-
-    def stop(self):
-        """Make no centerline."""
-        self._run.cancel()
-        self._button.text = self._text
-
-    def _onClicked(self):
-        if self.isRunning:
-            self.stop()
-            return
-        self._vessel, self._begun = _vesselOf(self._parameterNode), time.monotonic()
-        self._onProgress(0.0)
-        self._run.start(working(self._making(), self._seconds))
-
-    def _making(self):
-        self._former = yield from self._logic.centerlineInPortions(self._parameterNode)
-
-    def _seconds(self):
-        return time.monotonic() - self._begun
-
-    def _onProgress(self, seconds):
-        text = _("Stop, {seconds:.0f} s").format(seconds=seconds)
-        if self._button.text != text:
-            self._button.text = text
-
-    def _finished(self, error):
-        self._button.text = self._text
-        self._attempt(lambda: self._end(error))
-
-    def _end(self, error):
-        if error is not None:
-            raise error
-        self.onMade(self._former)
-
-
-def _vesselOf(parameterNode):
-    """The node, and the vessel and the segment that it has."""
-    if parameterNode is None:
-        return None
-    return parameterNode.parameterNode, parameterNode.vessel, Conversion.segmentOf(parameterNode)

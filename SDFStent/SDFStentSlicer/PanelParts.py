@@ -13,49 +13,50 @@ def cut(text, longest):
     return text if len(text) <= longest else text[: longest - 1] + "\N{HORIZONTAL ELLIPSIS}"
 
 
-class FolderButton:
-    """Asks for a folder and runs the iterator `stepsInto(folder)`, which yields fractions done and returns a path.
+class RunButton:
+    """Begins something long; while that runs the button says how far it is, and another click stops it.
 
-    By its first value the iterator needs the scene no more. `attempt(action)` does what is asked for and says why when it cannot be
-    done; `onDone(path)` is called when it was.
+    `begin()` returns an iterator over what `words(value)` says, which returns what was made, or None where there is nothing to do.
+    `attempt(action)` does what is asked for and says why when it cannot be done; `onDone(made)` is called when it was.
     """
 
-    def __init__(self, button, title, stepsInto, attempt, onDone):
-        self._button, self._title, self._text = button, title, button.text
-        self._stepsInto, self._attempt, self._onDone = stepsInto, attempt, onDone
-        self._path = None
+    def __init__(self, button, begin, words, attempt, onDone):
+        self._button, self._words, self._text = button, words, button.text
+        self._begin, self._attempt, self._onDone = begin, attempt, onDone
+        self._made = None
         self._run = SteppedRun(self._onProgress, self._finished)
         button.connect("clicked()", self._onClicked)
 
     @property
     def isRunning(self):
-        """Whether something is being written."""
+        """Whether something is being made."""
         return self._run.isRunning
 
     def stop(self):
-        """Stop what is under way; its folder goes again."""
+        """Stop what is under way; nothing of it is left."""
         self._run.cancel()
         self._button.text = self._text
 
     def _onClicked(self):
         if self.isRunning:
             self.stop()
-            return
-        folder = desktop().folder(self._button, self._title)
-        if folder:
-            self._attempt(lambda: self._begin(folder))
+        else:
+            self._attempt(self._start)
 
-    def _begin(self, folder):
-        run = self._untilPath(self._stepsInto(folder))
-        self._onProgress(next(run))
-        self._run.start(run)
+    def _start(self):
+        steps = self._begin()
+        if steps is not None:
+            run = self._untilMade(steps)
+            self._onProgress(next(run))
+            self._run.start(run)
 
-    def _untilPath(self, steps):
-        self._path = None
-        self._path = yield from steps
+    def _untilMade(self, steps):
+        self._made = yield from steps
 
-    def _onProgress(self, fraction):
-        self._button.text = _("Stop, {percent:.0f} %").format(percent=100 * fraction)
+    def _onProgress(self, value):
+        text = self._words(value)
+        if self._button.text != text:
+            self._button.text = text
 
     def _finished(self, error):
         self._button.text = self._text
@@ -64,7 +65,26 @@ class FolderButton:
     def _end(self, error):
         if error is not None:
             raise error
-        self._onDone(self._path)
+        made, self._made = self._made, None
+        self._onDone(made)
+
+
+class FolderButton(RunButton):
+    """Asks for a folder and runs the iterator `stepsInto(folder)`, which yields fractions done and returns a path.
+
+    By its first value the iterator needs the scene no more; `attempt` and `onDone` as of a `RunButton`.
+    """
+
+    def __init__(self, button, title, stepsInto, attempt, onDone):
+        def begin():
+            folder = desktop().folder(button, title)
+            return stepsInto(folder) if folder else None
+
+        super().__init__(button, begin, _percent, attempt, onDone)
+
+
+def _percent(fraction):
+    return _("Stop, {percent:.0f} %").format(percent=100 * fraction)
 
 
 class PanelSize:

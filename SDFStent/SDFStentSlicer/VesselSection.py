@@ -1,9 +1,13 @@
 """The section Vessel of the panel: which walls, segments and lines there are to choose. What is chosen is bound to parameters."""
 
+import time
+
 import slicer
+from slicer.i18n import tr as _
 
 from . import Conversion, Outputs
-from .MadeCenterline import CenterlineButton
+from .PanelParts import RunButton
+from .Portions import working
 
 
 class VesselSection:
@@ -86,3 +90,49 @@ class VesselSection:
         vessel = self._parameterNode.vessel if self._parameterNode is not None else None
         if vessel is not None and segmentID and self.ui.segmentSelector.currentNode() is vessel:
             self._parameterNode.segmentID = segmentID
+
+
+class CenterlineButton:
+    """Makes a centerline of the vessel that is shown; while it does so, another click stops it.
+
+    `attempt(action)` does what is asked for and says why when it cannot be done; `onMade(former)` is called with the centerline that was
+    chosen before, or None.
+    """
+
+    def __init__(self, button, logic, attempt):
+        self._logic, self.onMade = logic, lambda _former: None
+        self._parameterNode = self._vessel = None
+        self._button = RunButton(
+            button, self._begin, _seconds, attempt, lambda former: self.onMade(former)
+        )
+
+    @property
+    def isRunning(self):
+        """Whether a centerline is being made."""
+        return self._button.isRunning
+
+    def show(self, parameterNode):
+        """The parameter node that is shown now, or None; what is made for another vessel is not made."""
+        self._parameterNode = parameterNode
+        if self.isRunning and self._vessel != _vesselOf(parameterNode):
+            self.stop()
+
+    def stop(self):
+        """Make no centerline."""
+        self._button.stop()
+
+    def _begin(self):
+        self._vessel, begun = _vesselOf(self._parameterNode), time.monotonic()
+        made = self._logic.centerlineInPortions(self._parameterNode)
+        return working(made, lambda: time.monotonic() - begun)
+
+
+def _seconds(seconds):
+    return _("Stop, {seconds:.0f} s").format(seconds=seconds)
+
+
+def _vesselOf(parameterNode):
+    """The node, and the vessel and the segment that it has."""
+    if parameterNode is None:
+        return None
+    return parameterNode.parameterNode, parameterNode.vessel, Conversion.segmentOf(parameterNode)
