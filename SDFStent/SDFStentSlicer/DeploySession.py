@@ -3,6 +3,8 @@
 import math
 import time
 
+from SDFStentLib.deformation import NEARLY_DONE
+
 from . import Clock, Portions, Showing
 from .Portions import SteppedRun
 
@@ -17,9 +19,6 @@ LATE = 1.5
 
 SETTLE_MS = 100
 """A hand that rests so long from then on has stopped, for now: the panel says that it deploys."""
-
-GROWN = 0.999
-"""Fraction of a run at which its stents are as wide as they become."""
 
 MOST_LEFT = 1
 """Calculations that nobody waits for any more and that still run; while there are more no full method begins by itself."""
@@ -203,7 +202,7 @@ class DeploySession:
             self._run.advance()
 
     def _progressed(self, fraction):
-        if fraction >= GROWN:
+        if fraction >= NEARLY_DONE:
             self._frame.release()
         self._onProgress(fraction)
 

@@ -9,5 +9,6 @@ from .proxy import ProxyState as ProxyState
 from .settings import RULES as RULES
 from .settings import DeploymentSettings as DeploymentSettings
 from .values import FINE as FINE
+from .values import NEARLY_DONE as NEARLY_DONE
 from .values import DeploymentResult as DeploymentResult
 from .values import DeploymentState as DeploymentState
