@@ -230,8 +230,8 @@ def _texts(facts, side):
     # What the vessel leads to is in the tooltip: there is little room.
     name = facts.value("branch_name").partition(" (")[0]
     if name.startswith("main branch"):  # both are called so
-        name = _("{side} main branch").format(side=side)
-    elif name.startswith("branch "):  # by its size, which tells nobody which one it is
+        name = _("{side} main branch").format(side=side) if side else _("main branch")
+    elif side and name.startswith("branch "):  # by its size, which tells nobody which one it is
         name = _("{side}, generation {generation}").format(
             side=side, generation=facts.value("generation")
         )

@@ -56,6 +56,33 @@ def around(vessel, lesion):
     return Around(points, lesion.start + along, diameters, healthy)
 
 
+class _Sides:
+    """The sides of the patient that a tree, in world coordinates, leads to.
+
+    They part where the ends beyond two branches lie farthest apart from side to side: a twig that leaves before the lungs do is
+    near one of them and both.
+    """
+
+    def __init__(self, tree):
+        self._points, count = tree.points, np.zeros(len(tree.points))
+        self._beyond = np.zeros(len(tree.points))
+        for leaf in tree.leaves:
+            way = tree.ancestry(leaf)
+            count[way] += 1
+            self._beyond[way] += tree.points[leaf, 0]
+        self._beyond /= count  # the mean of all ends beyond each point
+        forks = [(tree.ancestry(one), self._beyond[tree.children(one)]) for one in tree.junctions]
+        self._common, beyond = max(forks, key=lambda fork: np.ptp(fork[1]), default=((), None))
+        self._middle = None if beyond is None else (beyond.min() + beyond.max()) / 2
+
+    def of(self, place):
+        """The side of what lies beyond a place of the tree."""
+        at = int(np.argmin(np.linalg.norm(self._points - place, axis=1)))
+        if self._middle is None or at in self._common:
+            return ""
+        return _("right") if self._beyond[at] > self._middle else _("left")
+
+
 class LesionSearch:
     """The lesions of one vessel with one centerline. No nodes in here.
 
@@ -69,7 +96,7 @@ class LesionSearch:
         self._inputs = inputs
         self.found, self.sentence, self.remark = None, "", ""
         self.vessel = self._model = None
-        self._around, self.endNames = {}, ()
+        self._around, self._sides, self.endNames = {}, None, ()
 
     def portions(self):
         """Search; yields None until it is done. Does nothing when it is."""
@@ -94,12 +121,10 @@ class LesionSearch:
         return self._around[lesion]
 
     def sideOf(self, lesion):
-        """The patient's side on which a lesion lies from where the root parts first."""
-        tree = self.vessel.centerline
-        below, counts = np.unique(tree.parent[tree.parent >= 0], return_counts=True)
-        partings = below[counts > 1]
-        root = partings[np.argmin(tree.arc_length[partings])] if len(partings) else 0
-        return _("right") if lesion.point[0] > tree.points[root, 0] else _("left")
+        """The patient's side on which what a lesion leads to lies; "" where it leads to both."""
+        if self._sides is None:
+            self._sides = _Sides(self.vessel.centerline)
+        return self._sides.of(lesion.point)
 
     @property
     def landmarks(self):

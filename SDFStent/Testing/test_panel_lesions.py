@@ -352,6 +352,29 @@ def test_a_lesion_that_nobody_named_is_called_by_side_and_generation(host, theIn
     assert _texts(lesion_facts(1, nameless), side)[0] == "1 left main branch"
 
 
+@pytest.mark.parametrize("turned", [1.0, -1.0], ids=["as it is", "mirrored"])
+def test_a_side_is_that_of_the_lung_whatever_leaves_before(turned):
+    """A patient's trunk gives off a twig far to the left before it parts into the two lungs."""
+    from SDFStentSlicer.Lesions import _Sides
+
+    from SDFStentLib.centerline import Centerline
+
+    trunk = [(-20, 0, 0), (-16, 10, 0), (-12, 20, 0), (-4, 40, 0)]
+    left = [(-10, 44, 0), (-30, 50, 0), (-40, 60, 10)]
+    right = [(10, 44, 0), (40, 50, 0), (60, 50, 10), (70, 50, 20)]
+    further, twig = [(45, 60, -10), (50, 70, -10)], [(-22, 30, 0), (-26, 36, 0)]
+    points = np.array([*trunk, *left, *right, *further, *twig], dtype=float)
+    points[:, 0] *= turned
+    parent = [-1, 0, 1, 2, 3, 4, 5, 3, 7, 8, 9, 8, 11, 1, 13]
+    sides = _Sides(Centerline(points, np.ones(len(points)), np.array(parent)))
+    names = ["left", "right"][:: int(turned)]
+    assert [sides.of(points[at]) for at in (0, 2, 3)] == ["", "", ""]
+    assert {sides.of(points[at]) for at in (4, 5, 6, 13, 14)} == {names[0]}
+    assert {sides.of(points[at]) for at in (7, 8, 10, 11, 12)} == {names[1]}
+    alone = _Sides(Centerline(points[:4], np.ones(4), np.array([-1, 0, 1, 2])))
+    assert alone.of(points[2]) == ""
+
+
 def test_a_lesion_is_not_plotted_over_a_result_that_came_meanwhile(host, aStent, monkeypatch):
     lesions, selection = aStent.lesions, slicer.app.applicationLogic().GetSelectionNode()
     host.processUntil(lambda: not lesions.isBusy)
