@@ -24,7 +24,7 @@ from SDFStentLib.vessel import find_lesions, lesion_against, lesions_within
 from SDFStentLib.vessel.found_narrowings import found_narrowings
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
 from SDFStentLib.vessel.lesions import _each_once
-from SDFStentLib.vessel.narrowings import narrowings
+from SDFStentLib.vessel.narrowings import Plateau, _beyond, narrowings
 from SDFStentLib.vessel.runs import SideBranch, _ostium, vessel_runs
 
 NEAR = 2.0
@@ -548,6 +548,15 @@ def test_a_narrow_ostium_is_told_though_a_throat_and_a_taper_follow():
     )  # fmt: skip
     first, _ = narrowings(vessel_along(course, parent=0))
     assert (first.narrowest < 3, first.degree > 0.6) == (True, True)
+
+
+def test_what_lies_before_a_junction_goes_on_beyond_it_only_where_the_other_side_does():
+    """The healthy parent beyond a throat of its own passed for vessel beyond the junction: of a
+    branch 84 % were told at its end, and its own throat of 58 % not at all."""
+    run = vessel_along(np.full(80, 8.0), parent=0)._replace(beside=(8.0,))
+    before = Plateau(18.0, 17.7)
+    assert np.isnan(_beyond(run, before, Plateau(63.0, 10.1), begins=65.0))
+    assert 16 < _beyond(run, before, Plateau(70.0, 10.1), begins=65.0) < 17
 
 
 def test_a_valley_beside_a_deeper_throat_is_measured_up_to_that_only():

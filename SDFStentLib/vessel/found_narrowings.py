@@ -122,14 +122,15 @@ class FoundNarrowing:
     def holds(self, other: FoundNarrowing) -> bool:
         """Whether another one is narrowest in the lumen of this one.
 
-        That is the healthy lumen, but for one that is tighter: beside what is left of this one an
-        ostium in its wall may be narrower still.
+        That is the healthy lumen, but for one that is tighter: what is left where this one is
+        narrowest. Beside that an ostium in its wall may be narrower still.
         """
         along, start = self.run.along, -np.inf if self.is_at_ostium else self.narrow.start
         inner = (along >= start) & (along <= self.narrow.end)
         away = np.linalg.norm(self.run.points[inner] - other.run.points[other.narrowest], axis=1)
-        is_apart = other.is_tighter_than(self)
-        wide = self.run.diameter[inner] if is_apart else self.narrow.reference.at(along[inner])
+        wide = self.narrow.reference.at(along[inner])
+        if other.is_tighter_than(self):
+            wide = self.run.diameter[self.narrowest]
         return bool((away < wide / 2).any())
 
     def continues(self, other: FoundNarrowing) -> bool:

@@ -35,12 +35,9 @@ SMALLEST_ALONE = 0.5
 """The same of a vessel between two junctions, against what its branches ask for: of 547 that nobody
 narrowed half are 4 to 13 % narrower, one in fifty 33 to 41 %, none 50 %."""
 
-REACH = 8.0
-"""Diameters within which a vessel is wider again: so a bell four diameters across is told as it is.
-Healthy vessels widen, too, and farther away they are other vessels."""
-
 ONE_SIDED_REACH = 2.0
-"""The same at an ostium: what widens more slowly than that tapers."""
+"""Diameters within which a vessel is wider again beyond an ostium: what widens more slowly than
+that tapers."""
 
 REGAINED = 0.5
 """Share of what a narrowing loses, on the side where it becomes wider least, that healthy vessel
@@ -190,7 +187,7 @@ def _reference(
     before = None if is_one_sided else _healthy(caliber, at, -1, least)
     if is_ostial and before is None:
         # What is wider again toward the ostium is its funnel only.
-        beyond = widest if is_one_sided else _widest(caliber, at, 1, REACH)
+        beyond = widest if is_one_sided else _widest(caliber, at, 1)
         if narrow > (1 - SMALLEST_ONE_SIDED + eased) * beyond:
             return _alone(run, narrow, eased)
     return Reference(before, after, widest, _beyond(run, before, after, begins), begins)
@@ -198,10 +195,10 @@ def _reference(
 
 def _again(caliber: Caliber, at: int, begins: float, eased: float) -> tuple[float, float]:
     """How wide a vessel is again on both sides of a minimum, mm, and the least persistence."""
-    sides = [_widest(caliber, at, way, REACH) for way in (-1, 1)]
+    sides = [_widest(caliber, at, way) for way in (-1, 1)]
     own = caliber._replace(kept=np.where(caliber.along >= begins, caliber.kept, 0.0))
     narrow = float(caliber.diameter[at])
-    if narrow <= (1 - SMALLEST_DEGREE + eased) * _widest(own, at, -1, REACH):
+    if narrow <= (1 - SMALLEST_DEGREE + eased) * _widest(own, at, -1):
         return min(sides), SMALLEST_DEGREE
     if begins <= caliber.along[0]:
         return min(sides), SMALLEST_DEGREE
@@ -224,7 +221,9 @@ def _beyond(run: VesselRun, before: Plateau | None, after: Plateau | None, begin
 
     By the rule of flow, between what is wider than it and what is narrower than the vessel beyond.
     """
-    if before is None or after is None or not run.beside or before.arc_length >= begins:
+    if before is None or after is None or not run.beside:
+        return np.nan
+    if not before.arc_length < begins < after.arc_length:
         return np.nan
     others = sum(one**MURRAY_EXPONENT for one in run.beside)
     left = max(before.diameter**MURRAY_EXPONENT - others, 0.0) ** (1 / MURRAY_EXPONENT)
@@ -237,7 +236,7 @@ def _side(caliber: Caliber, at: int, way: int) -> tuple[Floats, Floats, Floats]:
     return np.abs(along - along[0]), diameter, kept
 
 
-def _widest(caliber: Caliber, at: int, way: int, reach: float) -> float:
+def _widest(caliber: Caliber, at: int, way: int, reach: float = np.inf) -> float:
     """How wide a vessel is for some length on one side of a place, within some of its diameters.
 
     Up to where it is narrower than there by more than an edge is: what lies beyond is of that.
@@ -245,23 +244,26 @@ def _widest(caliber: Caliber, at: int, way: int, reach: float) -> float:
     away, diameter, kept = _side(caliber, at, way)
     narrower = np.flatnonzero(diameter < (1 - EDGE_DEGREE) * diameter[0])
     is_own = np.arange(len(away)) < narrower.min(initial=len(away))
-    return float(kept[is_own & (away <= reach * kept)].max(initial=diameter[0]))
+    return float(kept[is_own & (away / reach <= kept)].max(initial=diameter[0]))
 
 
 def _one_sided(caliber: Caliber, at: int, way: int) -> float:
     """The same near a junction, but in an aneurysm.
 
-    That is widest in its middle third, and beyond it the vessel stays as narrow as before.
+    That is widest in its middle third, loses half of it as fast as a throat regains it, and beyond
+    it the vessel stays as narrow as before.
     """
     away, diameter, kept = _side(caliber, at, way)
     widest = _widest(caliber, at, way, ONE_SIDED_REACH)
+    if widest < ANEURYSM * diameter[0]:
+        return widest
     peak = int(np.argmax(kept == widest))
+    half = away[peak:][diameter[peak:] <= diameter[0] + REGAINED * (widest - diameter[0])]
     back = peak + np.flatnonzero(diameter[peak:] <= diameter[0])
-    is_focal = len(back) > 0 and bool(away[back[0]] <= 3 * away[peak])
-    if is_focal:
-        beyond = diameter[back[0] :][away[back[0] :] <= REACH * widest]
-        is_focal = bool(np.median(beyond) <= diameter[0])
-    return float(diameter[0] if is_focal and widest >= ANEURYSM * diameter[0] else widest)
+    if not len(back) or half[0] - away[peak] > ONE_SIDED_REACH * widest:
+        return widest
+    is_focal = away[back[0]] <= 3 * away[peak] and np.median(diameter[back[0] :]) <= diameter[0]
+    return float(diameter[0]) if is_focal else widest
 
 
 def _healthy(caliber: Caliber, at: int, way: int, least: float) -> Plateau | None:
