@@ -16,10 +16,12 @@ from .expected_wall import FARTHEST as FARTHEST
 from .expected_wall import Tube as Tube
 from .expected_wall import across_alone as across_alone
 from .expected_wall import expected_tube as expected_tube
+from .extended_axis import NOTHING as NOTHING
 from .extended_axis import REACH as REACH
 from .extended_axis import ExtendedAxis as ExtendedAxis
 from .extended_axis import extended_axis as extended_axis
 from .extended_axis import through_lumen as through_lumen
+from .known_lumen import BESIDE_SPHERE as BESIDE_SPHERE
 from .known_lumen import MovedWall as MovedWall
 from .known_lumen import measured_after as measured_after
 from .known_lumen import measured_once as measured_once

@@ -25,8 +25,8 @@ a wider vessel, half of that vessel's radius may lead out of the lumen."""
 _NARROWEST = 0.05
 """Inscribed radius below which a lumen ends, mm."""
 
-_NOTHING = 1e-6
-"""Length, mm, below which no further step is made: rounding could keep the loop from ending."""
+NOTHING = 1e-6
+"""Length, mm, that is no more than rounding: a loop that goes on by less may never end."""
 
 _CLOSELY = 1e-4
 """What the search for a sphere on the way promises to gain at least, mm. Where a lumen is flat the
@@ -73,7 +73,7 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
         room[goes_on] = _room(following - centers[is_open], heading[goes_on], wide)
         for way, place in zip(goes_on.tolist(), following, strict=True):
             found[way].append(place)
-        goes_on = goes_on[(room[goes_on] > _NARROWEST) & (traveled[goes_on] < reach - _NOTHING)]
+        goes_on = goes_on[(room[goes_on] > _NARROWEST) & (traveled[goes_on] < reach - NOTHING)]
     return [np.reshape(way, (-1, 3)) for way in found]
 
 

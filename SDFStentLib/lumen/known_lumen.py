@@ -13,12 +13,10 @@ from .closed_ends import OpenWall
 from .cross_section import equivalent_diameters
 from .spheres import InscribedSpheres, inscribed_spheres
 from .stations import Stations, measured_at
+from .wall_map import PAIRS
 
 _APART = 1 / np.sqrt(3.0)
 """No place of a triangle is farther from all of its corners than so many of its longest side."""
-
-_BLOCK = 1 << 21
-"""Pairs of plane and corner that are looked at together, some bytes each."""
 
 
 class MovedWall(NamedTuple):
@@ -51,7 +49,7 @@ class MovedWall(NamedTuple):
     def crosses(self, points: Points, normals: Points) -> Flags:
         """Whether it may cut each plane (n,) through some points with normals (n, 3)."""
         found = np.zeros(len(points), dtype=bool)
-        block = max(1, _BLOCK // max(1, len(self.places)))
+        block = max(1, PAIRS // max(1, len(self.places)))
         for first in range(0, len(points) if len(self.places) else 0, block):
             rows = slice(first, first + block)
             heights = product(normals[rows], self.places.T)
@@ -80,7 +78,7 @@ def _longest_side(points: Points, triangles: Triangles) -> float:
     return max(float(norm(corners[k] - corners[k - 1]).max(initial=0.0)) for k in range(3))
 
 
-_BESIDE = 1.02
+BESIDE_SPHERE = 1.02
 """Wall farther from a sphere's center than so many radii plays no part in its climb's end."""
 
 MOST = 20_000
@@ -140,7 +138,7 @@ def measured_after(
     points, directions = before.points, before.directions
     centers, radii = before.spheres.centers.copy(), before.spheres.radii.copy()
     equivalent = before.equivalent.copy()
-    is_changed = moved.comes_near(centers, _BESIDE * radii) | ~(radii > 0)
+    is_changed = moved.comes_near(centers, BESIDE_SPHERE * radii) | ~(radii > 0)
     if outside is not None:
         is_changed &= ~outside
         centers[outside], radii[outside] = np.nan, np.nan

@@ -27,7 +27,7 @@ from ..geometry import (
 from ..validation import Flags, Floats, Indices, InputError, Points, Triangles, read_only
 from .closed_ends import open_at_ends, past_closed_ends
 from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, section_radius
-from .openings import labels_round
+from .openings import FAR, labels_round
 from .rounded_ends import past_rounded_ends
 from .spheres import LocalSurface, StationSearch, Until, with_own_spheres
 from .stations import Stations, measured_at
@@ -35,9 +35,6 @@ from .wall_map import RAYS, near_wall, rays_from
 
 SUSPECT = 1.2
 """Equivalent over inscribed diameter that may come of another lumen; openings are looked for."""
-
-FAR = 2.0
-"""An opening leads into another lumen if a ray into it goes on for so many expected radii."""
 
 
 def cut_at_ostia(

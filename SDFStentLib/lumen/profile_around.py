@@ -8,12 +8,9 @@ import numpy as np
 
 from ..geometry import Line, Surface
 from ..validation import Floats, Indices, Points
-from .extended_axis import ExtendedAxis
+from .extended_axis import NOTHING, ExtendedAxis
 from .metrics import DiameterProfile, profile_of
 from .stations import Stations
-
-SHORTEST = 1e-6
-"""Shortest length of vessel beyond an end that is more than rounding, mm."""
 
 
 class AxisStations(NamedTuple):
@@ -44,11 +41,11 @@ def axis_stations(axis: ExtendedAxis, spacing: float = 1.0) -> AxisStations:
     # The ends of the stent are stations of its own part.
     columns = [_part(axis.of_stent, spacing, 0.0)]
     first, count = 0, len(columns[0][0])
-    if axis.before > SHORTEST:
+    if axis.before > NOTHING:
         proximal = _part(axis.line.cut(0.0, axis.before), spacing, -axis.before)
         first = len(proximal[0]) - 1
         columns.insert(0, tuple(column[:-1] for column in proximal))
-    if axis.after > SHORTEST:
+    if axis.after > NOTHING:
         distal = _part(axis.line.cut(last, np.inf), spacing, axis.stent_length)
         columns.append(tuple(column[1:] for column in distal))
     arc_length, points, directions = map(np.concatenate, zip(*columns, strict=True))

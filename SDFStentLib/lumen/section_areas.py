@@ -22,9 +22,7 @@ from ..geometry import (
     used_points,
 )
 from ..validation import Flags, Floats, Indices, Points, Triangles
-
-_PAIRS = 1 << 21
-"""Pairs of station and vertex or triangle that are looked at together, some bytes each."""
+from .wall_map import PAIRS
 
 _FEW = 16
 """Number of stations whose part of the surface is looked at first."""
@@ -161,7 +159,7 @@ def _in_blocks(
     points: Points, triangles: Triangles, centers: Points, normals: Points
 ) -> SectionAreas:
     result = SectionAreas(np.full(len(centers), np.inf), np.zeros(len(centers), dtype=bool))
-    size = max(1, _PAIRS // max(1, len(points) + len(triangles)))
+    size = max(1, PAIRS // max(1, len(points) + len(triangles)))
     for first in range(0, len(centers) if len(triangles) else 0, size):
         block = slice(first, first + size)
         found = _areas(points, triangles, centers[block], normals[block])

@@ -22,8 +22,9 @@ from ..validation import Flags, Floats, Indices, Points, Triangles, read_only
 RAYS = 144
 """Number of rays at each station, 2.5 degrees apart."""
 
-_BLOCK = 1 << 21
-"""Pairs of station and triangle that are looked at together; some 10 MB of temporaries."""
+PAIRS = 1 << 21
+"""Pairs of station and part of the surface that are looked at together; some 10 MB of
+temporaries."""
 
 _DECIDE, _SLACK = 6, 1e-9
 """Places of an axis that are looked at first, and what rounding may do to a distance from them."""
@@ -150,7 +151,7 @@ class WallCuts:
 
     def __init__(self, wall: NearWall, arc_length: Floats, centers: Points, along: Floats) -> None:
         self.wall, self.arc_length, self.centers, self.along = wall, arc_length, centers, along
-        block = max(1, _BLOCK // max(1, len(wall.triangles)))
+        block = max(1, PAIRS // max(1, len(wall.triangles)))
         self._blocks = [slice(first, first + block) for first in range(0, len(centers), block)]
         self._cuts = [_cut_segments(wall, centers[rows], along[rows]) for rows in self._blocks]
 

@@ -10,12 +10,10 @@ from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface
 from ..validation import Floats, Indices, Points
 from .tree_around import outlets_of
+from .vessel_ends import BESIDE_TIP
 
 FLAT = 0.95
 """Length of the mean unit normal of a part of the model from which it is a cap, no wall."""
-
-BESIDE = 2.0
-"""The centerline ends within so many radii of a cap from its middle."""
 
 
 def branch_names(
@@ -144,7 +142,7 @@ def _cap_near(point: Points, caps: dict[int, tuple[Points, float]]) -> int | Non
     """The cap at which a centerline ends."""
     away = {n: float(np.linalg.norm(point - middle)) / r for n, (middle, r) in caps.items()}
     nearest = min(away, key=away.__getitem__, default=None)
-    return None if nearest is None or away[nearest] > BESIDE else nearest
+    return None if nearest is None or away[nearest] > BESIDE_TIP else nearest
 
 
 def _faces_beyond(centerline: Centerline, face_at: dict[int, int]) -> dict[int, set[int]]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..geometry import Surface, norm
 from ..lumen import (
+    BESIDE_SPHERE,
     InscribedSpheres,
     LocalSurface,
     MovedWall,
@@ -32,9 +33,6 @@ spheres nor its sections."""
 _NEARLY = 1.05
 """Times its narrowest station up to which another one of a lesion is looked at closely: a wall of
 triangles has dips that are shorter than stations are apart."""
-
-_BESIDE = 1.02
-"""Wall farther from a place than so many times what may matter does not."""
 
 
 def measured(lesions: Sequence[Lesion], surface: Surface, wall: LocalSurface) -> list[Lesion]:
@@ -113,7 +111,7 @@ def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
     # A sphere holds its place: no wall that it touches is farther from there than its diameter.
     unknown = np.isnan(lesion.diameters)
     reach = np.where(unknown, lesion.reference_diameter, lesion.diameters)
-    changed = near.comes_near(lesion.line.points, _BESIDE * reach)
+    changed = near.comes_near(lesion.line.points, BESIDE_SPHERE * reach)
     if not changed.any() and not near.crosses(*on_line(lesion.line, cut_at(lesion.line))).any():
         return None
     return np.asarray(changed | unknown)

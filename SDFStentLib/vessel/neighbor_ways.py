@@ -9,13 +9,10 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Line, Surface
-from ..lumen import ExtendedAxis, through_lumen
+from ..lumen import NOTHING, REACH, ExtendedAxis, through_lumen
 from ..validation import Points
 from .ostia import Ostium
 from .tree_around import LinesFromAxis
-
-MEASURED = 20.0
-"""Length of a neighbor that is looked at, mm."""
 
 SHORTEST = 1.0
 """A way is longer, mm."""
@@ -24,14 +21,9 @@ _OBLIQUE = 6.0
 """A branch's line is longer up to its opening by at most so many times the opening's distance from
 the axis: more would be a branch that leaves at less than 10 degrees."""
 
-_NEAR = 0.5
-"""Radii of an ostium from its middle within which a way leads through it and not beside it."""
-
-_LEAVES = 0.5
-"""A way that is farther from the axis than so many radii of an ostium leaves the vessel there."""
-
-_SAME = 1e-6
-"""The difference, mm, up to which two ways pass an opening equally near: the first one counts."""
+_WITHIN = 0.5
+"""Radii of an ostium from its middle within which a way leads through it and not beside it, and
+from the axis beyond which it leaves the vessel there."""
 
 PROXIMAL, DISTAL = "the vessel proximal of the stent", "the vessel distal of the stent"
 """Names of what goes on beyond its ends."""
@@ -79,15 +71,15 @@ class BranchWays:
         feet = self.axis.line.nearest(np.array([ostium.center for ostium in ostia]))
         if self.centerline is None:
             return self._through(feet.points, ostia)
-        reach = self.axis.line.length + _OBLIQUE * float(feet.distances.max()) + MEASURED
-        beside = _LEAVES * max(_size(ostium) for ostium in ostia)
+        reach = self.axis.line.length + _OBLIQUE * float(feet.distances.max()) + REACH
+        beside = _WITHIN * max(_size(ostium) for ostium in ostia)
         lines = LinesFromAxis(self.centerline, self.axis.line, reach, beside)
         return [_past(ostium, lines) for ostium in ostia]
 
     def _through(self, feet: Points, ostia: Sequence[Ostium]) -> list[Line | None]:
         """The way from sphere to sphere, first that from the axis to the opening."""
         starts = [np.array([foot, ostium.center]) for foot, ostium in zip(feet, ostia, strict=True)]
-        ways = through_lumen(self.surface, starts, MEASURED)
+        ways = through_lumen(self.surface, starts, REACH)
         lines = [Line(np.concatenate([s[1:], way])) for s, way in zip(starts, ways, strict=True)]
         return [line if line.length > SHORTEST else None for line in lines]
 
@@ -95,16 +87,16 @@ class BranchWays:
 def _past(ostium: Ostium, lines: LinesFromAxis) -> Line | None:
     """The line from the axis to most outlets that passes an opening near its middle.
 
-    Where none does, that which passes nearest to it.
+    Where none does, that which passes nearest to it, the first of those equally near.
     """
-    best, nearest = None, _size(ostium) + _SAME
-    for own in lines.leaving(_LEAVES * _size(ostium), ostium.center, nearest):
+    best, nearest = None, _size(ostium) + NOTHING
+    for own in lines.leaving(_WITHIN * _size(ostium), ostium.center, nearest):
         found = own.nearest(ostium.center[None])
         first = float(found.arc_lengths[0])
-        if found.distances[0] < nearest - _SAME and own.length - first > SHORTEST:
+        if found.distances[0] < nearest - NOTHING and own.length - first > SHORTEST:
             nearest = float(found.distances[0])
-            best = own.cut(first, first + MEASURED)
-            if nearest < _NEAR * _size(ostium):
+            best = own.cut(first, first + REACH)
+            if nearest < _WITHIN * _size(ostium):
                 break
     return best
 
