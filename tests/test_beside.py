@@ -92,6 +92,37 @@ def test_the_latest_comes_first(vessel, process):
     assert states[0].placed.stent.diameter != first.placed.stent.diameter
 
 
+def test_a_survey_that_another_process_made_says_the_same(vessel, process):
+    other = TreatmentProcess()
+    treatment = treatment_at(vessel, 0.5)
+    other.survey(vessel, treatment)
+    process.begin(vessel, treatment)
+    states_of(process)
+    process.finish(vessel.lesions, next_of(other))
+    other.end()
+    there, here = next_of(process), treatment_at(vessel, 0.5).result
+    for name in ("before", "after", "around_before", "around_after"):
+        one, same = (getattr(case.stents[0], name) for case in (there.treatment, here))
+        assert np.array_equal(one.inscribed_diameter, same.inscribed_diameter)
+    assert [one.sentence() for one in there.treatment.stents[0].branches] == [
+        one.sentence() for one in here.stents[0].branches
+    ]
+
+
+def test_a_preview_and_its_numbers_are_those_made_here(vessel, process):
+    stent = Stent(8.5, placement=AtLesion(1, 0.3), length=14.0)
+    case = Case(vessel, Plan(stents=(stent,)))
+    process.prepare(vessel)
+    process.preview(case, vessel.lesions)
+    there, numbers = next_of(process), next_of(process)
+    here = case.previewed()
+    assert np.array_equal(there.indices, here.indices)
+    assert np.array_equal(there.coordinates, here.coordinates)
+    measured = treatment_at(vessel, 0.0).result.stents
+    assert there.with_covered(numbers, measured) == here.numbers(vessel.lesions, measured)
+    assert numbers[0].lesion is vessel.lesions[0]
+
+
 def test_what_was_left_is_not_told(vessel, process):
     process.begin(vessel, treatment_at(vessel, 0.0))
     next_of(process)

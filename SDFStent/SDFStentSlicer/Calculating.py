@@ -39,10 +39,11 @@ class Here:
 
 
 class Elsewhere:
-    """The same in a `TreatmentProcess`; where that ends, here."""
+    """The same in a `TreatmentProcess`, the survey in a second one meanwhile, where there is one; what ends is done here."""
 
-    def __init__(self, process, vessel, treatment):
-        self._process, self._vessel, self._treatment = process, vessel, treatment
+    def __init__(self, process, second, vessel, treatment):
+        self._process, self._second = process, second
+        self._vessel, self._treatment = vessel, treatment
         self._here = Here(vessel, treatment)
         self._isGone = False
 
@@ -51,8 +52,9 @@ class Elsewhere:
         count = 0
         try:
             self._process.begin(self._vessel, self._treatment)
+            self._beginSurvey()
             # Ends: as above.
-            while (state := (yield from self._answer())) is not None:
+            while (state := (yield from answered(self._process))) is not None:
                 count += 1
                 yield state
             return
@@ -64,7 +66,7 @@ class Elsewhere:
                 yield state
 
     def survey(self):
-        """As of `Here`; the process does that by itself."""
+        """As of `Here`; the processes do that by themselves."""
         if self._isGone:
             yield from self._here.survey()
 
@@ -73,19 +75,35 @@ class Elsewhere:
         found = yield from _found(search)
         try:
             if not self._isGone:
-                self._process.finish(found)
-                return (yield from self._answer())
+                survey = yield from self._surveyed()
+                self._process.finish(found, survey)
+                return (yield from answered(self._process))
         except ProcessEnded:
             self._isGone = True
         return (yield from self._here.told(search))
 
-    def _answer(self):
-        """The next answer; a portion for every look whether there is one."""
+    def _beginSurvey(self):
         try:
-            return (yield from waiting(lambda: self._process.answer(Clock.wait())))
-        except GeneratorExit:
-            self._process.leave()
-            raise
+            if self._second is not None:
+                self._second.survey(self._vessel, self._treatment)
+        except ProcessEnded:
+            self._second = None
+
+    def _surveyed(self):
+        """The survey of the second process; None where the first is to make it."""
+        try:
+            return None if self._second is None else (yield from answered(self._second))
+        except ProcessEnded:
+            return None
+
+
+def answered(process):
+    """The next answer of a process; a portion for every look whether there is one."""
+    try:
+        return (yield from waiting(lambda: process.answer(Clock.wait())))
+    except GeneratorExit:
+        process.leave()
+        raise
 
 
 def _found(search):
@@ -96,31 +114,42 @@ def _found(search):
     return search.found
 
 
-class _Process:
-    """The one process of this application; started anew where it has ended."""
+class _Processes:
+    """The processes of this application: one deploys, the other one previews; started anew where they have ended."""
 
     def __init__(self):
-        self._isWanted, self._process = True, None
+        self._isWanted, self._kept = True, [None, None]
 
-    def ready(self):
-        """The process, None where it cannot be had. It takes a second to start, so ask before it is needed."""
-        if self._isWanted and (self._process is None or self._process.has_ended):
-            self._process = treatment_process()
-            self._isWanted = self._process is not None
-        return self._process
+    @property
+    def deploying(self):
+        """The process for deployments, None where it cannot be had. It takes a second to start: ask before it is needed."""
+        return self._ready(0)
+
+    @property
+    def previewing(self):
+        """The process for what is to be known sooner."""
+        return self._ready(1)
+
+    def _ready(self, number):
+        if self._isWanted and (self._kept[number] is None or self._kept[number].has_ended):
+            self._kept[number] = treatment_process()
+            self._isWanted = self._kept[number] is not None
+        return self._kept[number]
 
     def use(self, isWanted):
-        """Whether there is to be a process from now on; one that runs is ended."""
-        if self._process is not None:
-            self._process.end()
-        self._isWanted, self._process = isWanted, None
+        """Whether there are to be processes from now on; those that run are ended."""
+        for process in self._kept:
+            if process is not None:
+                process.end()
+        self._isWanted, self._kept = isWanted, [None, None]
 
 
-process = _Process()
+processes = _Processes()
 
 
 def calculation(case):
     """`Elsewhere` or `Here` for a `Case` of the library, and its `Treatment`."""
-    vessel, treatment, there = case.vessel, case.treatment(), process.ready()
-    where = Here(vessel, treatment) if there is None else Elsewhere(there, vessel, treatment)
-    return where, treatment
+    vessel, treatment, process = case.vessel, case.treatment(), processes.deploying
+    if process is None:
+        return Here(vessel, treatment), treatment
+    return Elsewhere(process, processes.previewing, vessel, treatment), treatment

@@ -73,6 +73,11 @@ def turn(away):
     return max(least, min(2 * away, most - away))
 
 
+def longest():
+    """Seconds that a turn of the event loop may take at most."""
+    return _kinds[-1].TURN_S[1]
+
+
 def use(kind):
     """From now on make timers of another class, for an application without Qt; it is made, called and asked as `QtTimer`."""
     _kinds[:] = [kind]

@@ -35,15 +35,24 @@ class DeploySession:
     """
 
     def __init__(
-        self, logic, onStart, onProgress, onDone, beforeAny=lambda: None, beforeFull=lambda: False
+        self,
+        logic,
+        onStart,
+        onProgress,
+        onDone,
+        beforeAny=lambda: None,
+        beforeFull=lambda: False,
+        finishBefore=lambda: None,
     ):
         """`beforeAny()` is called before it is looked at what there is to deploy; `beforeFull()` when a hand rests, and tells whether
-        something that may change the plan is still under way: the full method would begin in vain."""
+        something that may change the plan is still under way: the full method would begin in vain. `finishBefore()` does that at
+        once."""
         self._logic, self._onStart, self._onDone = logic, onStart, onDone
         self._beforeAny, self._beforeFull = beforeAny, beforeFull
+        self._finishBefore = finishBefore
         self._parameterNode = self._signature = None
         self._run, self._onProgress = SteppedRun(self._progressed, self._finished), onProgress
-        self._live = self._isQuiet = self._isAtOnce = False
+        self._live = self._isQuiet = self._isAtOnce = self._isSeen = False
         self._timer = Clock.timer(self._updateInOneFrame, COALESCE_MS)
         self._frame, self._drawing = Showing.HeldFrame(), Showing.QuickDrawing()
         self._restTimer, self._restsFrom = Clock.timer(self._rested, REST_MS), 0.0
@@ -52,6 +61,11 @@ class DeploySession:
     @property
     def isRunning(self):
         return self._run.isRunning
+
+    @property
+    def _isGrowing(self):
+        """Whether a preview is under way that nothing is seen of yet."""
+        return self.isRunning and self._live and not self._isSeen
 
     @property
     def isPreview(self):
@@ -89,17 +103,20 @@ class DeploySession:
         """Deploy soon if something that matters has changed since the last deployment began; what has changed is drawn with that."""
         if not self._timer.isActive():
             self._timer.start()
-        if not (self.isRunning and self._live):  # else it may be what that shows, to be seen now
+        if not self._isGrowing:  # else it may be what that shows, to be seen now
             self._frame.hold()
 
     def letGo(self):
         """Deploy in full at once what a hand has let go of, without the previews that would have come before."""
         self._beforeAny()
-        standing = self._parameterNode and self._standing()
-        if not standing or not self._parameterNode.autoUpdate or not self._isNew(standing):
+        if self._parameterNode is None or not self._parameterNode.autoUpdate:
             return
         isAlone = len(self._logic.places(self._parameterNode)) == 1  # else a preview is far quicker
-        if not isAlone or Portions.countLeft() > MOST_LEFT or self._beforeFull():
+        if not isAlone or Portions.countLeft() > MOST_LEFT:
+            return
+        self._finishBefore()
+        standing = self._standing()
+        if not self._isNew(standing):
             return
         self._stopRun()
         self._frame.hold()  # for a moment: what has grown may be drawn with it
@@ -149,7 +166,8 @@ class DeploySession:
             self._beforeAny()
             self._update()
         finally:
-            self._frame.release()
+            if not (self.isRunning and self._live):  # else what was moved is seen with its preview
+                self._frame.release()
 
     def _update(self):
         standing = self._parameterNode and self._standing()
@@ -191,6 +209,7 @@ class DeploySession:
         mayGoOn = self._settleTimer.isActive
         wasQuiet, self._isQuiet = self._isQuiet, live or mayGoOn()
         self._signature, self._live, self._isAtOnce = standing.signature, live, isAtOnce
+        self._isSeen = False
         self._drawing.begin()
         self._run.start(
             self._logic.steps(self._parameterNode, live=live, standing=standing, mayGoOn=mayGoOn),
@@ -202,19 +221,21 @@ class DeploySession:
             self._run.advance()
 
     def _progressed(self, fraction):
-        if fraction >= NEARLY_DONE:
+        if fraction >= NEARLY_DONE and not self._isSeen:
+            self._isSeen = True
             self._frame.release()
         self._onProgress(fraction)
 
     def _finished(self, error):
-        self._frame.release()
         standing = self._parameterNode and self._standing()
         if error is not None and self._isAtOnce:
             self._signature = None  # a preview shows what there is instead
-        if standing and self._parameterNode.autoUpdate:
-            if self._isNew(standing):
-                self._timer.start()
-            elif self._live and error is None:
+        goesOn = standing and self._parameterNode.autoUpdate and self._isNew(standing)
+        if goesOn:
+            self._timer.start()
+        else:
+            self._frame.release()
+            if standing and self._parameterNode.autoUpdate and self._live and error is None:
                 self._beginRest()
         self._settleTimer.stop()
         self._isQuiet = self._live

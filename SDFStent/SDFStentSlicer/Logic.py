@@ -222,7 +222,7 @@ class SDFStentLogic(
     def prepared(self, parameterNode):
         """Make what the first preview and deployment of a vessel need; an iterator as `steps`."""
         if parameterNode.vessel is not None and parameterNode.centerline is not None:
-            Calculating.process.ready()
+            _begun = Calculating.processes.deploying
             yield from working(self._inputs.preview(parameterNode).prepared())
 
     def measure(self, parameterNode):

@@ -8,9 +8,10 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
+from SDFStentLib.beside import ProcessEnded
 from SDFStentLib.validation import DeploymentError, InputError
 
-from . import Dependencies, Plans, Results
+from . import Calculating, Dependencies, Plans, Results
 from .Portions import inPortions, working
 from .Stenting import DrawnStent, lying
 
@@ -36,7 +37,9 @@ class Previewing:
             preview = inputs.preview(parameterNode)
             case = Plans.caseOf(parameterNode, preview.vessel, live=True)
             yield from working(inputs.placedInPortions(parameterNode, case))
-            run = yield from working(preview.portions(case, Dependencies.places(parameterNode)))
+            found = () if search is None else search.found or ()
+            places = Dependencies.places(parameterNode)
+            run = yield from working(preview.portions(case, places, found))
             run.follow(shown.run)
         except (InputError, DeploymentError):
             show(shown, surface, PreviewRun.withoutStents(vessel.surface), signature)
@@ -70,20 +73,40 @@ def show(shown, surface, run, signature):
 
 
 class PreviewedVessel:
-    """One vessel on which plans are tried out. What is made for it once is made once, whoever waits for it. No nodes in here."""
+    """One vessel on which plans are tried out, in a process beside the application where there is one. No nodes in here.
+
+    What is made for it once is made once, whoever waits for it.
+    """
 
     def __init__(self, vessel):
         """A preview of the library's `Vessel`."""
-        self.vessel, self._preview, self._lock = vessel, vessel.preview, threading.Lock()
+        self.vessel, self._lock = vessel, threading.Lock()
 
-    def portions(self, case, places):
-        """Preview the library's `Case` in this vessel; yields None until it is done, then returns its `PreviewRun`."""
-        surface = self.vessel.surface
+    def portions(self, case, places, lesions=()):
+        """Preview the library's `Case` in this vessel; yields portions until it is done, then returns its `PreviewRun`.
+
+        `lesions` are those that numbers will be told for.
+        """
+        surface, process = self.vessel.surface, Calculating.processes.previewing
+        try:
+            if process is not None:
+                process.preview(case, lesions)
+                state = yield from Calculating.answered(process)
+                return PreviewRun(surface, state, places, process)
+        except ProcessEnded:
+            pass
         return (yield from self._inTurn(lambda: PreviewRun(surface, case.previewed(), places)))
 
     def prepared(self):
         """Make what the first preview needs, wherever it will be; yields None until it is done."""
-        yield from self._inTurn(self._preview.prepare)
+        process = Calculating.processes.previewing
+        try:
+            if process is not None:
+                process.prepare(self.vessel)
+                return
+        except ProcessEnded:
+            pass
+        yield from self._inTurn(self.vessel.preview.prepare)
 
     def _inTurn(self, function):
         """Run a function after those before it; not at all when nobody waits for it any more."""
@@ -113,8 +136,10 @@ class PreviewRun:
     recorded = measured = ()
     result = lesions = centerline = None
 
-    def __init__(self, surface, state, places):
+    def __init__(self, surface, state, places, process=None):
+        """`process` is the one that has made the state, and will tell its numbers."""
         self.surface, self.state, self.places = surface, state, list(places)
+        self._process = process
         self.shownMap = self.shownStent = None
 
     @classmethod
@@ -144,7 +169,14 @@ class PreviewRun:
         return points
 
     def numbers(self, lesions):
-        """Measure every stent and what is left of the lesions of the vessel; yields None until it is done, then returns a list."""
+        """Measure every stent and what is left of the lesions of the vessel; yields portions until it is done, then returns a list."""
+        process, self._process = self._process, None  # it tells them once
+        try:
+            if process is not None:
+                numbers = yield from Calculating.answered(process)
+                return self.state.with_covered(numbers, self.measured)
+        except ProcessEnded:
+            pass
         return (yield from inPortions(lambda: self.state.numbers(lesions, self.measured)))
 
     def tubes(self):

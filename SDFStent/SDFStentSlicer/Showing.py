@@ -4,7 +4,7 @@ import contextlib
 
 import slicer
 
-from . import Conversion
+from . import Clock, Conversion
 
 ONE_COLOR = "SDFStent.OneColor"
 VESSEL_COLOR, VESSEL_OPACITY = (0.85, 0.81, 0.78), 0.35
@@ -25,19 +25,22 @@ def inOneFrame():
 
 
 class HeldFrame:
-    """What changes while it is held is drawn once it is released."""
+    """What changes while it is held is drawn once it is released, or when it was held for as long as a turn may take."""
 
     def __init__(self):
         self._isHeld = False
+        self._timer = Clock.timer(self.release, round(1000 * Clock.longest()))
 
     def hold(self):
         """Hold the scene from now on."""
         if not self._isHeld:
             slicer.app.applicationLogic().PauseRender()
+            self._timer.start()
         self._isHeld = True
 
     def release(self):
         """Draw it, if it was held."""
+        self._timer.stop()
         if self._isHeld:
             slicer.app.applicationLogic().ResumeRender()
         self._isHeld = False

@@ -82,6 +82,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
             self._onDone,
             self._carry,
             lambda: self.recoil.hurry(),
+            lambda: self._attempt(self.recoil.finish),
         )
         self._size, self._typed = PanelSize(uiWidget), TypedNumbers(uiWidget, self._attempt)
         self._state = PanelState(self.ui, self.logic, self.session, self._size)

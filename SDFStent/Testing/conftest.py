@@ -96,7 +96,7 @@ def knownResults(theModule):
             return made
 
     Plans.Case, Calculating.TreatedCase = KnownCase, KnownResult
-    Calculating.process.use(False)
+    Calculating.processes.use(False)
     return known
 
 

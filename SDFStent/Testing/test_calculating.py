@@ -5,6 +5,7 @@ import signal
 
 import numpy as np
 import pytest
+from panel_helpers import theThroat
 
 from SDFStentLib.plan import Case, TreatedCase
 
@@ -16,9 +17,9 @@ def aProcess(theModule, monkeypatch):
 
     monkeypatch.setattr(Plans, "Case", Case)
     monkeypatch.setattr(Calculating, "TreatedCase", TreatedCase)
-    Calculating.process.use(True)
-    yield Calculating.process
-    Calculating.process.use(False)
+    Calculating.processes.use(True)
+    yield Calculating.processes
+    Calculating.processes.use(False)
 
 
 def numbers(parameters):
@@ -43,13 +44,35 @@ def test_a_deployment_is_the_one_of_a_thread(aLogic, theParameters, aProcess):
     ]
 
 
+def previewed(aLogic, parameters):
+    for _fraction in aLogic.steps(parameters, live=True):
+        pass
+    return aLogic.lastRun(parameters).points, parameters.tiles
+
+
+def test_a_preview_is_the_one_of_a_thread_also_where_its_process_ends(
+    aLogic, theParameters, aProcess
+):
+    aLogic.deploy(theParameters)
+    theParameters.stent.handle.SetNthControlPointPositionWorld(0, *(np.array(theThroat()) + 0.5))
+    points, tiles = previewed(aLogic, theParameters)
+    os.kill(aProcess.previewing.pid, signal.SIGKILL)
+    again = previewed(aLogic, theParameters)
+    assert np.array_equal(again[0], points)
+    assert again[1] == tiles
+    aProcess.use(False)
+    here = previewed(aLogic, theParameters)
+    assert np.array_equal(here[0], points)
+    assert here[1] == tiles
+
+
 @pytest.mark.parametrize("after", [0.0, 0.3, 1.0], ids=["at once", "while it grows", "grown"])
 def test_a_thread_takes_over_where_the_process_ends(aLogic, theParameters, aProcess, after):
     aProcess.use(False)
     expected = aLogic.deploy(theParameters)
     told, count = numbers(theParameters), len(aLogic.lastRun(theParameters).recorded)
     aProcess.use(True)
-    pid = aProcess.ready().pid
+    pid = aProcess.deploying.pid
     for fraction in aLogic.steps(theParameters):
         if pid is not None and isinstance(fraction, float) and fraction >= after:
             os.kill(pid, signal.SIGKILL)
@@ -59,7 +82,7 @@ def test_a_thread_takes_over_where_the_process_ends(aLogic, theParameters, aProc
     assert len(run.recorded) == count
     assert numbers(theParameters) == told
     assert np.array_equal(run.result.surface.points, expected.surface.points)
-    assert aProcess.ready().pid  # another one
+    assert aProcess.deploying.pid  # another one
     aLogic.deploy(theParameters)
 
 

@@ -22,8 +22,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..interpreter import own_program
-from ..plan import TreatedCase
-from ..treatment import Treatment, TreatmentState, Vessel
+from ..plan import Case, TreatedCase
+from ..treatment import (
+    PreviewedNumbers,
+    PreviewState,
+    Survey,
+    Treatment,
+    TreatmentState,
+    Vessel,
+)
 from ..validation import DeploymentError
 from ..vessel import Lesion
 
@@ -40,23 +47,28 @@ class Request(NamedTuple):
     asks for nothing more."""
 
     number: int
-    """Of the treatment: answers to earlier ones are not read any more."""
+    """Of what is asked for: answers to earlier ones are not read any more."""
     held: list[Any] | None = None
     """A vessel and what it holds, which later messages only name."""
     treatment: Treatment | None = None
-    """A treatment that is to begin."""
-    lesions: tuple[Lesion, ...] | None = None
-    """Lesions of the vessel, by which the treatment that has grown"""
-    is_end: bool = False
-    """is to be told."""
+    """A treatment that is to begin,"""
+    surveyed: Treatment | None = None
+    """or of which only the survey is wanted."""
+    end: tuple[tuple[Lesion, ...] | None, Survey | None] | None = None
+    """Lesions of the vessel, and perhaps the survey, by which what has grown is to be told."""
+    previewed: tuple[Case | None, tuple[Lesion, ...]] | None = None
+    """A case of which a preview is wanted, or what the first one needs; lesions for its numbers."""
+
+
+Value = TreatmentState | TreatedCase | Survey | PreviewState | tuple[PreviewedNumbers, ...]
 
 
 class Answer(NamedTuple):
     """What the process answers to the request of a number."""
 
     number: int
-    value: TreatmentState | TreatedCase | Exception | None
-    """A state; None after the last of them; all that was measured; or what was raised."""
+    value: Value | Exception | None
+    """What was asked for, None after the last state, or what was raised."""
 
 
 class Shared:
@@ -150,6 +162,34 @@ class TreatmentProcess:
         `ProcessEnded` where the process is gone.
         """
         self._number += 1
+        self._hold(vessel)
+        self._send(Request(self._number, treatment=treatment))
+
+    def survey(self, vessel: Vessel, treatment: Treatment) -> None:
+        """Ask for the survey of a treatment: `answer` gives it. What it does otherwise it drops.
+
+        `ProcessEnded` where the process is gone.
+        """
+        self._number += 1
+        self._hold(vessel)
+        self._send(Request(self._number, surveyed=treatment))
+
+    def preview(self, case: Case, lesions: tuple[Lesion, ...] = ()) -> None:
+        """Ask for a preview: `answer` gives its state, then its numbers, by lesions of the vessel.
+
+        `ProcessEnded` where the process is gone.
+        """
+        self._number += 1
+        self._hold(case.vessel)
+        self._send(Request(self._number, previewed=(case, lesions)))
+        self._shared.add(lesions)
+
+    def prepare(self, vessel: Vessel) -> None:
+        """Make what the first preview of a vessel needs."""
+        self._hold(vessel)
+        self._send(Request(self._number, previewed=(None, ())))
+
+    def _hold(self, vessel: Vessel) -> None:
         if vessel is not self._vessel:
             held = [vessel.surface, *vars(vessel.surface).values(), vessel.centerline, vessel.faces]
             held = [one for one in held if isinstance(one, np.ndarray) or hasattr(one, "__dict__")]
@@ -157,14 +197,14 @@ class TreatmentProcess:
             self._send(Request(self._number, held=[replace(vessel), *held]))
             self._shared.hold([vessel, *held])
             self._vessel = vessel
-        self._send(Request(self._number, treatment=treatment))
 
-    def finish(self, lesions: tuple[Lesion, ...] | None) -> None:
+    def finish(self, lesions: tuple[Lesion, ...] | None, survey: Survey | None = None) -> None:
         """Measure what has grown, by the lesions of the vessel: `answer` gives a `TreatedCase`.
 
-        `ProcessEnded` where the process is gone.
+        The survey of the treatment is made where none is given. `ProcessEnded` where the process is
+        gone.
         """
-        self._send(Request(self._number, lesions=lesions, is_end=True))
+        self._send(Request(self._number, end=(lesions, survey)))
         self._shared.add(lesions or ())
 
     def leave(self) -> None:
@@ -173,7 +213,7 @@ class TreatmentProcess:
         with contextlib.suppress(ProcessEnded):
             self._send(Request(self._number))
 
-    def answer(self, seconds: float) -> tuple[TreatmentState | TreatedCase | None, ...]:
+    def answer(self, seconds: float) -> tuple[Value | None, ...]:
         """What has come next within some seconds: of nothing (), else one value.
 
         Raises what the treatment raised, and `ProcessEnded` where the process is gone.

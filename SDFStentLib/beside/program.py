@@ -9,8 +9,9 @@ import threading
 from multiprocessing.connection import Client, Connection
 from queue import SimpleQueue
 
-from ..plan import TreatedCase
-from ..treatment import Treatment, Vessel
+from ..plan import Case, TreatedCase
+from ..treatment import Survey, Treatment, Vessel
+from ..vessel import Lesion
 from .process import Answer, Request, Shared
 
 
@@ -48,8 +49,12 @@ class Program:
             if request.treatment is not None:
                 self._treatment = request.treatment
                 self._grow(request.number, request.treatment)
-            elif request.is_end and self._vessel is not None and self._treatment is not None:
-                self._finish(request, self._vessel, self._treatment)
+            elif request.surveyed is not None:
+                self._tell(Answer(request.number, request.surveyed.survey))
+            elif request.end is not None and self._treatment is not None:
+                self._finish(request.number, self._treatment, *request.end)
+            elif request.previewed is not None:
+                self._preview(request.number, *request.previewed)
         except Exception as error:  # also a fault of ours: it is told where somebody sees it
             self._tell(Answer(request.number, error))
 
@@ -59,20 +64,36 @@ class Program:
             if not self._requests.empty():
                 return
         self._tell(Answer(number, None))
-        # Nobody asks before the lesions are known.
-        _ = treatment.survey
-        if self._requests.empty():
-            _ = treatment.result
 
-    def _finish(self, request: Request, vessel: Vessel, treatment: Treatment) -> None:
-        self._shared.add(request.lesions or ())
-        case = TreatedCase(vessel, treatment.result, request.lesions)
+    def _finish(
+        self,
+        number: int,
+        treatment: Treatment,
+        lesions: tuple[Lesion, ...] | None,
+        survey: Survey | None,
+    ) -> None:
+        self._shared.add(lesions or ())
+        assert self._vessel is not None
+        if survey is not None:
+            treatment.survey = survey
+        case = TreatedCase(self._vessel, treatment.result, lesions)
         if self._requests.empty():
             for lesion in case.lesions or ():
                 if lesion.stents:
                     _ = lesion.after.section
             _ = case.told
-            self._tell(Answer(request.number, case))
+            self._tell(Answer(number, case))
+
+    def _preview(self, number: int, case: Case | None, lesions: tuple[Lesion, ...]) -> None:
+        self._shared.add(lesions)
+        if case is None:
+            assert self._vessel is not None
+            self._vessel.preview.prepare()
+            return
+        state = case.previewed()
+        self._tell(Answer(number, state))
+        if self._requests.empty():
+            self._tell(Answer(number, state.numbers(lesions)))
 
     def _tell(self, answer: Answer) -> None:
         self._connection.send_bytes(self._shared.packed(answer))

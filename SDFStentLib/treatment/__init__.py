@@ -31,6 +31,7 @@ from .sizing import Suggestion as Suggestion
 from .sizing import suggested as suggested
 from .straightening import AxisChange as AxisChange
 from .straightening import axis_in_vessel as axis_in_vessel
+from .surroundings import Survey as Survey
 from .treatment import Treatment as Treatment
 from .value import PlacedStent as PlacedStent
 from .value import TreatedStent as TreatedStent

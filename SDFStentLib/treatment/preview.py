@@ -109,14 +109,23 @@ class PreviewState:
         treated = {lesion.vessel for some in covered for lesion in some}
         left = [self._left(lesion) for lesion in lesions if lesion.vessel in treated]
         worst = float(np.max(left)) if left else float("nan")
-        return tuple(
+        found = [
             PreviewedNumbers(
                 one.minimum_lumen(),
                 max(some, key=lambda lesion: lesion.percent_diameter, default=None),
                 worst,
-                self._covered(one, measured),
             )
             for one, some in zip(self.stents, covered, strict=True)
+        ]
+        return self.with_covered(found, measured)
+
+    def with_covered(
+        self, numbers: Sequence[PreviewedNumbers], measured: Sequence[TreatedStent]
+    ) -> tuple[PreviewedNumbers, ...]:
+        """The `numbers` of all stents with the branches that they cover, by what was `measured`."""
+        return tuple(
+            some._replace(covered=self._covered(one, measured))
+            for one, some in zip(self.stents, numbers, strict=True)
         )
 
     def _covered(
