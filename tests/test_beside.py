@@ -92,15 +92,25 @@ def test_the_latest_comes_first(vessel, process):
     assert states[0].placed.stent.diameter != first.placed.stent.diameter
 
 
-def test_a_survey_that_another_process_made_says_the_same(vessel, process):
+def test_survey_and_lesions_that_another_process_measured_say_the_same(vessel, process):
     other = TreatmentProcess()
     treatment = treatment_at(vessel, 0.5)
     other.survey(vessel, treatment)
     process.begin(vessel, treatment)
-    states_of(process)
-    process.finish(vessel.lesions, next_of(other))
+    states = states_of(process)
+    survey = next_of(other)
+    other.left(vessel.lesions, (states[-1],))
+    process.finish(None, survey)
+    left = next_of(other)
     other.end()
     there, here = next_of(process), treatment_at(vessel, 0.5).result
+    told = TreatedCase(vessel, there.treatment, vessel.lesions, left)
+    expected = TreatedCase(vessel, here, vessel.lesions)
+    assert told.residual == expected.residual
+    for one, same in zip(told.lesions, expected.lesions, strict=True):
+        assert one.before is same.before
+        assert one.stents == same.stents
+        assert np.array_equal(one.after.diameters, same.after.diameters)
     for name in ("before", "after", "around_before", "around_after"):
         one, same = (getattr(case.stents[0], name) for case in (there.treatment, here))
         assert np.array_equal(one.inscribed_diameter, same.inscribed_diameter)

@@ -44,7 +44,7 @@ class Elsewhere:
     def __init__(self, process, second, vessel, treatment):
         self._process, self._second = process, second
         self._vessel, self._treatment = vessel, treatment
-        self._here = Here(vessel, treatment)
+        self._here, self._last = Here(vessel, treatment), {}
         self._isGone = False
 
     def states(self):
@@ -56,6 +56,7 @@ class Elsewhere:
             # Ends: as above.
             while (state := (yield from answered(self._process))) is not None:
                 count += 1
+                self._last[state.number] = state
                 yield state
             return
         except ProcessEnded:
@@ -76,8 +77,10 @@ class Elsewhere:
         try:
             if not self._isGone:
                 survey = yield from self._surveyed()
-                self._process.finish(found, survey)
-                return (yield from answered(self._process))
+                isShared = found is not None and self._beginLesions(found)
+                self._process.finish(None if isShared else found, survey)
+                case = yield from answered(self._process)
+                return case if not isShared else (yield from self._withLesions(case, found))
         except ProcessEnded:
             self._isGone = True
         return (yield from self._here.told(search))
@@ -89,12 +92,31 @@ class Elsewhere:
         except ProcessEnded:
             self._second = None
 
+    def _beginLesions(self, found):
+        """Let the second process measure what is left of lesions; whether it does."""
+        try:
+            if self._second is not None:
+                self._second.left(found, tuple(self._last.values()))
+        except ProcessEnded:
+            self._second = None
+        return self._second is not None
+
+    def _withLesions(self, case, found):
+        """The case with what is left of lesions; yields portions until that is known."""
+        try:
+            left = yield from answered(self._second)
+        except ProcessEnded:
+            left = None
+        case = TreatedCase(self._vessel, case.treatment, found, left)
+        yield from inPortions(lambda: case.told)
+        return case
+
     def _surveyed(self):
         """The survey of the second process; None where the first is to make it."""
         try:
             return None if self._second is None else (yield from answered(self._second))
         except ProcessEnded:
-            return None
+            self._second = None
 
 
 def answered(process):

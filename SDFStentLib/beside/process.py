@@ -27,6 +27,7 @@ from ..treatment import (
     PreviewedNumbers,
     PreviewState,
     Survey,
+    TreatedLesion,
     Treatment,
     TreatmentState,
     Vessel,
@@ -56,11 +57,20 @@ class Request(NamedTuple):
     """or of which only the survey is wanted."""
     end: tuple[tuple[Lesion, ...] | None, Survey | None] | None = None
     """Lesions of the vessel, and perhaps the survey, by which what has grown is to be told."""
+    grown: tuple[tuple[Lesion, ...], tuple[TreatmentState, ...]] | None = None
+    """Lesions of the vessel, and the last state of every stent, of which what is left is wanted."""
     previewed: tuple[Case | None, tuple[Lesion, ...]] | None = None
     """A case of which a preview is wanted, or what the first one needs; lesions for its numbers."""
 
 
-Value = TreatmentState | TreatedCase | Survey | PreviewState | tuple[PreviewedNumbers, ...]
+Value = (
+    TreatmentState
+    | TreatedCase
+    | Survey
+    | PreviewState
+    | tuple[PreviewedNumbers, ...]
+    | tuple[TreatedLesion, ...]
+)
 
 
 class Answer(NamedTuple):
@@ -173,6 +183,15 @@ class TreatmentProcess:
         self._number += 1
         self._hold(vessel)
         self._send(Request(self._number, surveyed=treatment))
+
+    def left(self, lesions: tuple[Lesion, ...], states: tuple[TreatmentState, ...]) -> None:
+        """Ask what is left of lesions of the vessel of which a survey was asked for.
+
+        `states` are the last ones of every stent; `answer` gives the `TreatedLesion`s after the
+        survey. `ProcessEnded` where the process is gone.
+        """
+        self._send(Request(self._number, grown=(lesions, states)))
+        self._shared.add(lesions)
 
     def preview(self, case: Case, lesions: tuple[Lesion, ...] = ()) -> None:
         """Ask for a preview: `answer` gives its state, then its numbers, by lesions of the vessel.

@@ -10,7 +10,14 @@ from multiprocessing.connection import Client, Connection
 from queue import SimpleQueue
 
 from ..plan import Case, TreatedCase
-from ..treatment import Survey, Treatment, Vessel
+from ..treatment import (
+    Survey,
+    TreatedLesion,
+    Treatment,
+    TreatmentState,
+    Vessel,
+    treated_lesions,
+)
 from ..vessel import Lesion
 from .process import Answer, Request, Shared
 
@@ -53,6 +60,8 @@ class Program:
                 self._tell(Answer(request.number, request.surveyed.survey))
             elif request.end is not None and self._treatment is not None:
                 self._finish(request.number, self._treatment, *request.end)
+            elif request.grown is not None:
+                self._tell(Answer(request.number, self._left(*request.grown)))
             elif request.previewed is not None:
                 self._preview(request.number, *request.previewed)
         except Exception as error:  # also a fault of ours: it is told where somebody sees it
@@ -78,11 +87,19 @@ class Program:
             treatment.survey = survey
         case = TreatedCase(self._vessel, treatment.result, lesions)
         if self._requests.empty():
-            for lesion in case.lesions or ():
-                if lesion.stents:
-                    _ = lesion.after.section
+            _cut_sections(case.lesions or ())
             _ = case.told
             self._tell(Answer(number, case))
+
+    def _left(
+        self, lesions: tuple[Lesion, ...], states: tuple[TreatmentState, ...]
+    ) -> tuple[TreatedLesion, ...]:
+        self._shared.add(lesions)
+        assert self._vessel is not None
+        before = self._vessel.surface
+        after = before.with_points(states[-1].points())
+        found = treated_lesions(lesions, [state.placed for state in states], after, before)
+        return _cut_sections(found)
 
     def _preview(self, number: int, case: Case | None, lesions: tuple[Lesion, ...]) -> None:
         self._shared.add(lesions)
@@ -97,6 +114,14 @@ class Program:
 
     def _tell(self, answer: Answer) -> None:
         self._connection.send_bytes(self._shared.packed(answer))
+
+
+def _cut_sections(lesions: tuple[TreatedLesion, ...]) -> tuple[TreatedLesion, ...]:
+    """The same lesions, the sections cut that are told of those that were treated."""
+    for lesion in lesions:
+        if lesion.stents:
+            _ = lesion.after.section
+    return lesions
 
 
 def main() -> None:

@@ -169,13 +169,15 @@ class CaseOutcome:
     treatment: TreatmentResult
     found: tuple[Lesion, ...] | None
     """The lesions of the vessel before treatment; None without a centerline."""
+    left: tuple[TreatedLesion, ...] | None = None
+    """What is left of them, where that is known already."""
 
     @cached_property
     def lesions(self) -> tuple[TreatedLesion, ...] | None:
         """Lesions of the vessel before and after; None without a centerline."""
         vessel, result, found = self.vessel, self.treatment, self.found
-        if found is None:
-            return None
+        if found is None or self.left is not None:
+            return self.left
         return treated_lesions(found, result.stents, result.surface, vessel.surface)
 
     @cached_property
@@ -204,3 +206,4 @@ class TreatedCase(CaseOutcome):
     vessel: Vessel
     treatment: TreatmentResult
     found: tuple[Lesion, ...] | None
+    left: tuple[TreatedLesion, ...] | None = None
