@@ -30,6 +30,7 @@ PLACES = {"--center": 30, "--from": 30, "--to": 45}
 STANDS_FOR = {
     "SURFACE": "surface.vtp",
     "SEGMENTATION": "artery.seg.nrrd",
+    "scan.seg.nrrd": "artery.seg.nrrd",
     "--label NAME": "artery",
     "PLAN": "plan.json",
     "PLAN...": "other.json",

@@ -39,6 +39,10 @@ PROTOCOL = 5
 """Of pickle; from 5 on an array that cannot be written to cannot be after it either."""
 
 
+NUMBER_BYTES = 8
+"""Length of the number before every request."""
+
+
 class ProcessEnded(Exception):
     """The process is gone; what it was asked for has to be calculated here."""
 
@@ -280,7 +284,9 @@ class TreatmentProcess:
         return self._connection
 
     def _send(self, request: Request) -> None:
-        self._waiting.append(self._shared.packed(request))
+        # The number comes first: whether an earlier request is still wanted is known at once by it.
+        head = request.number.to_bytes(NUMBER_BYTES, "big")
+        self._waiting.append(head + self._shared.packed(request))
         try:
             self._connected(0.0)
         except (OSError, EOFError) as error:

@@ -19,7 +19,7 @@ from ..treatment import (
     treated_lesions,
 )
 from ..vessel import Lesion
-from .process import Answer, Request, Shared
+from .process import NUMBER_BYTES, Answer, Request, Shared
 
 
 class Program:
@@ -28,6 +28,7 @@ class Program:
     def __init__(self, connection: Connection) -> None:
         self._connection, self._shared = connection, Shared()
         self._requests: SimpleQueue[bytes] = SimpleQueue()
+        self._newest = 0
         self._vessel: Vessel | None = None
         self._treatment: Treatment | None = None
         threading.Thread(target=self._receive, daemon=True).start()
@@ -43,7 +44,9 @@ class Program:
         try:
             # Ends with the connection.
             while True:
-                self._requests.put(self._connection.recv_bytes())
+                content = self._connection.recv_bytes()
+                self._newest = int.from_bytes(content[:NUMBER_BYTES], "big")
+                self._requests.put(content[NUMBER_BYTES:])
         except (OSError, EOFError):
             os._exit(0)  # whatever is being calculated, nobody waits for it
 
@@ -70,7 +73,7 @@ class Program:
     def _grow(self, number: int, treatment: Treatment) -> None:
         for state in treatment:
             self._tell(Answer(number, state))
-            if not self._requests.empty():
+            if self._newest > number:
                 return
         self._tell(Answer(number, None))
 
@@ -86,7 +89,7 @@ class Program:
         if survey is not None:
             treatment.survey = survey
         case = TreatedCase(self._vessel, treatment.result, lesions)
-        if self._requests.empty():
+        if self._newest == number:
             _cut_sections(case.lesions or ())
             _ = case.told
             self._tell(Answer(number, case))
@@ -109,7 +112,7 @@ class Program:
             return
         state = case.previewed()
         self._tell(Answer(number, state))
-        if self._requests.empty():
+        if self._newest == number:
             self._tell(Answer(number, state.numbers(lesions)))
 
     def _tell(self, answer: Answer) -> None:
