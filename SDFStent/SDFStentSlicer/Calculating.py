@@ -45,6 +45,7 @@ class Elsewhere:
         self._process, self._second = process, second
         self._vessel, self._treatment = vessel, treatment
         self._here, self._last = Here(vessel, treatment), {}
+        self._asked = self._alsoAsked = None
         self._isGone = False
 
     def states(self):
@@ -52,9 +53,10 @@ class Elsewhere:
         count = 0
         try:
             self._process.begin(self._vessel, self._treatment)
+            self._asked = Asked(self._process)
             self._beginSurvey()
             # Ends: as above.
-            while (state := (yield from answered(self._process))) is not None:
+            while (state := (yield from self._asked.answer())) is not None:
                 count += 1
                 self._last[state.number] = state
                 yield state
@@ -78,8 +80,9 @@ class Elsewhere:
             if not self._isGone:
                 survey = yield from self._surveyed()
                 isShared = found is not None and self._beginLesions(found)
+                self._asked.check()
                 self._process.finish(None if isShared else found, survey)
-                case = yield from answered(self._process)
+                case = yield from self._asked.answer()
                 return case if not isShared else (yield from self._withLesions(case, found))
         except ProcessEnded:
             self._isGone = True
@@ -89,6 +92,7 @@ class Elsewhere:
         try:
             if self._second is not None:
                 self._second.survey(self._vessel, self._treatment)
+                self._alsoAsked = Asked(self._second)
         except ProcessEnded:
             self._second = None
 
@@ -96,6 +100,7 @@ class Elsewhere:
         """Let the second process measure what is left of lesions; whether it does."""
         try:
             if self._second is not None:
+                self._alsoAsked.check()
                 self._second.left(found, tuple(self._last.values()))
         except ProcessEnded:
             self._second = None
@@ -104,7 +109,7 @@ class Elsewhere:
     def _withLesions(self, case, found):
         """The case with what is left of lesions; yields portions until that is known."""
         try:
-            left = yield from answered(self._second)
+            left = yield from self._alsoAsked.answer()
         except ProcessEnded:
             left = None
         case = TreatedCase(self._vessel, case.treatment, found, left)
@@ -114,18 +119,34 @@ class Elsewhere:
     def _surveyed(self):
         """The survey of the second process; None where the first is to make it."""
         try:
-            return None if self._second is None else (yield from answered(self._second))
+            return None if self._second is None else (yield from self._alsoAsked.answer())
         except ProcessEnded:
             self._second = None
 
 
-def answered(process):
-    """The next answer of a process; a portion for every look whether there is one."""
-    try:
-        return (yield from waiting(lambda: process.answer(Clock.wait())))
-    except GeneratorExit:
-        process.leave()
-        raise
+class Asked:
+    """What was asked of a process just now; answers come one by one, unless somebody else asks for something."""
+
+    def __init__(self, process):
+        self._process, self._number = process, process.number
+
+    def answer(self):
+        """The next one; a portion for every look whether there is one. `ProcessEnded` where none will come."""
+        try:
+            return (yield from waiting(self._look))
+        except GeneratorExit:
+            if self._process.number == self._number:
+                self._process.leave()
+            raise
+
+    def check(self):
+        """Raise `ProcessEnded` where somebody else has asked for something since."""
+        if self._process.number != self._number:
+            raise ProcessEnded
+
+    def _look(self):
+        self.check()
+        return self._process.answer(Clock.wait())
 
 
 def _found(search):

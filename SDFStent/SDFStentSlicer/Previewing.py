@@ -91,8 +91,9 @@ class PreviewedVessel:
         try:
             if process is not None:
                 process.preview(case, lesions)
-                state = yield from Calculating.answered(process)
-                return PreviewRun(surface, state, places, process)
+                asked = Calculating.Asked(process)
+                state = yield from asked.answer()
+                return PreviewRun(surface, state, places, asked)
         except ProcessEnded:
             pass
         return (yield from self._inTurn(lambda: PreviewRun(surface, case.previewed(), places)))
@@ -136,10 +137,10 @@ class PreviewRun:
     recorded = measured = ()
     result = lesions = centerline = None
 
-    def __init__(self, surface, state, places, process=None):
-        """`process` is the one that has made the state, and will tell its numbers."""
+    def __init__(self, surface, state, places, asked=None):
+        """`asked` is what was asked of a process that has made the state, and will tell its numbers."""
         self.surface, self.state, self.places = surface, state, list(places)
-        self._process = process
+        self._asked = asked
         self.shownMap = self.shownStent = None
 
     @classmethod
@@ -170,10 +171,10 @@ class PreviewRun:
 
     def numbers(self, lesions):
         """Measure every stent and what is left of the lesions of the vessel; yields portions until it is done, then returns a list."""
-        process, self._process = self._process, None  # it tells them once
+        asked, self._asked = self._asked, None  # it tells them once
         try:
-            if process is not None:
-                numbers = yield from Calculating.answered(process)
+            if asked is not None:
+                numbers = yield from asked.answer()
                 return self.state.with_covered(numbers, self.measured)
         except ProcessEnded:
             pass

@@ -66,6 +66,24 @@ def test_a_preview_is_the_one_of_a_thread_also_where_its_process_ends(
     assert here[1] == tiles
 
 
+def test_somebody_else_may_ask_meanwhile(aLogic, theParameters, aProcess):
+    aLogic.deploy(theParameters)
+    theParameters.stent.handle.SetNthControlPointPositionWorld(0, *(np.array(theThroat()) + 0.5))
+    points, tiles = previewed(aLogic, theParameters)
+    deployed = aLogic.deploy(theParameters).surface.points
+    told = numbers(theParameters)
+    for live in (True, False):
+        for count, _fraction in enumerate(aLogic.steps(theParameters, live=live)):
+            if count == 2:
+                aProcess.deploying.leave()
+                aProcess.previewing.leave()
+        if live:
+            assert np.array_equal(aLogic.lastRun(theParameters).points, points)
+            assert theParameters.tiles == tiles
+    assert np.array_equal(aLogic.lastRun(theParameters).result.surface.points, deployed)
+    assert numbers(theParameters) == told
+
+
 @pytest.mark.parametrize("after", [0.0, 0.3, 1.0], ids=["at once", "while it grows", "grown"])
 def test_a_thread_takes_over_where_the_process_ends(aLogic, theParameters, aProcess, after):
     aProcess.use(False)

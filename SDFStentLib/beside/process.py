@@ -161,6 +161,11 @@ class TreatmentProcess:
         return self._child.pid
 
     @property
+    def number(self) -> int:
+        """The number of what was asked for last; answers to anything before are not told."""
+        return self._number
+
+    @property
     def is_ready(self) -> bool:
         """Whether it has been heard of."""
         return self._connection is not None
