@@ -146,7 +146,11 @@ class TreatmentProcess:
         self._shared, self._number = Shared(), 0
         self._vessel: Vessel | None = None
         self._child = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, env=environment
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            env=environment,
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # only Windows opens one
         )
         assert self._child.stdin is not None
         opening = [self._listener.address, key.hex()]
