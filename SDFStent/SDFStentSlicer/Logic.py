@@ -257,6 +257,10 @@ class SDFStentLogic(
         """Whether the stents are shown as the parameters have them now."""
         return parameterNode.outputStents is not None and not self.hasChanged(parameterNode)
 
+    def showsEnd(self, parameterNode):
+        """Whether the stents are shown deployed as the parameters have them now, not a preview of them."""
+        return self.hasSteps(parameterNode) and not self.hasChanged(parameterNode)
+
     def hasSteps(self, parameterNode):
         """Whether there is a deployment to go back and forth over."""
         return self._shownOf(parameterNode).hasSteps

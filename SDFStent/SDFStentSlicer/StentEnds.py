@@ -46,7 +46,7 @@ class StentEnds(VTKObservationMixin):
         rests."""
         standing = self._standingOf(parameterNode)
         if standing == self._standing:
-            if self._timer.isActive() and self._logic.hasSteps(parameterNode):
+            if self._timer.isActive() and self._logic.showsEnd(parameterNode):
                 self._update()
             return
         self._parameterNode, self._standing = parameterNode, standing

@@ -245,7 +245,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self._requestUpdate()
 
     def _isDeploying(self):
-        return self.session.isBusy and not self.logic.hasSteps(self._parameterNode)
+        return self.session.isBusy and not self.logic.showsEnd(self._parameterNode)
 
     def _carry(self):
         if self._parameterNode is not None and self.logic.carry(self._parameterNode):

@@ -66,11 +66,17 @@ def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, m
     assert turns < 15
 
 
-def test_what_a_hand_moves_is_drawn_once_and_with_its_surface(host, aStent, monkeypatch):
-    from SDFStentSlicer import Clock, Previewing
+@pytest.fixture
+def longTurns(theModule, monkeypatch):
+    """Turns that every preview ends in: one that takes longer has a frame of the handle alone."""
+    from SDFStentSlicer import Clock
 
-    # A preview that takes more than a turn has a frame of the handle alone.
-    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (0.5, 0.5))
+    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (10.0, 10.0))
+
+
+def test_what_a_hand_moves_is_drawn_once_and_with_its_surface(host, longTurns, aStent, monkeypatch):
+    from SDFStentSlicer import Previewing
+
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     parameters, order, show = aStent._parameterNode, [], Previewing.show
@@ -153,10 +159,22 @@ def test_no_frame_is_drawn_of_half_a_stent(host, aStent, monkeypatch):
     assert "frame" in order
 
 
-def test_the_dots_of_a_stent_that_rests_come_in_the_frame_of_its_end(host, aStent, monkeypatch):
+@pytest.mark.parametrize("seconds", [0.0, 0.2])
+def test_the_dots_of_a_stent_that_rests_come_in_the_frame_of_its_end(
+    host, aStent, monkeypatch, seconds
+):
+    """Also where a preview takes longer than dots wait for: they were shown with what had been deployed before."""
     from SDFStentSlicer import Results
 
-    order, end = [], Results.showEnd
+    order, end, steps = [], Results.showEnd, aStent.logic.steps
+
+    def late(parameterNode, **options):
+        until = time.perf_counter() + seconds
+        while options["live"] and time.perf_counter() < until:
+            yield 0.0
+        yield from steps(parameterNode, **options)
+
+    monkeypatch.setattr(aStent.logic, "steps", late)
     monkeypatch.setattr(Results, "showEnd", lambda *args: (end(*args), order.append("end")))
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
