@@ -9,13 +9,13 @@ import json
 import os
 import secrets
 import signal
-import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 from aiohttp import web
+
+from SDFStentLib.interpreter import own_program
 
 READY_WITHIN_S = 90.0
 FIRST_VISIT_WITHIN_S = 120.0
@@ -165,15 +165,12 @@ async def _started(workshop: str) -> asyncio.subprocess.Process:
 
     Its own temporary files are in the `workshop`.
     """
-    above = str(Path(__file__).resolve().parents[1])
-    path = os.pathsep.join(filter(None, (above, os.environ.get("PYTHONPATH"))))
+    command, environment = own_program("SDFStentApp.process")
     return await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-m",
-        "SDFStentApp.process",
+        *command,
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         cwd=workshop,  # Python looks for modules there, too
-        env={**ALLOCATION, **os.environ, "PYTHONPATH": path, "TMPDIR": workshop},
+        env={**ALLOCATION, **environment, "TMPDIR": workshop},
         start_new_session=True,
     )

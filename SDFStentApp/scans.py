@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import shutil
-import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from SDFStentLib.interpreter import own_program
 from SDFStentLib.validation import DeploymentError, InputError
 
 from .page_process import kill
@@ -74,13 +73,13 @@ class Scans:
 
     async def _answer(self, path: Path, number: int, folder: Path) -> dict[str, Any]:
         """The last line of the process, without shares."""
-        above = str(Path(__file__).resolve().parents[1])
-        python_path = os.pathsep.join(filter(None, (above, os.environ.get("PYTHONPATH"))))
+        arguments = str(path), str(number), str(folder)
+        command, environment = own_program("SDFStentApp.preparing", *arguments)
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "SDFStentApp.preparing", str(path), str(number), str(folder)),
+            *command,
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
-            env={**os.environ, "PYTHONPATH": python_path},
+            env=environment,
         )
         answer: dict[str, Any] = {}
         assert process.stdout is not None

@@ -141,6 +141,7 @@ def test_the_page_takes_from_the_library_what_reads_plans_and_writes_results_onl
     assert {module.partition(".")[2] for module, _ in used} == {
         *("files", "line_formats", "plan", "report", "stent", "surface_formats", "units"),
         *("scan", "scan_formats", "validation"),  # a segmentation is made a vessel, as by the shell
+        "interpreter",  # pages and segmentations have processes of their own
     }
     # A plan that is kept is written whole or not at all, as every file; a file that is dropped on
     # the page is a centerline where it has lines.

@@ -1,10 +1,9 @@
 """Where treatments are calculated: in a process beside the application, or on a thread of its own where there is none."""
 
 from SDFStentLib.beside import ProcessEnded, treatment_process
-from SDFStentLib.plan import TreatedCase
+from SDFStentLib.plan import TreatedCase, with_sections
 
 from . import Clock
-from .Lesions import withSections
 from .Portions import inPortions, waiting
 
 
@@ -32,7 +31,7 @@ class Here:
         case = TreatedCase(self._vessel, result, (yield from _found(search)))
         lesions = yield from inPortions(lambda: case.lesions)
         yield from inPortions(
-            lambda: withSections([one.after for one in lesions or () if one.stents])
+            lambda: with_sections(tuple(one.after for one in lesions or () if one.stents))
         )
         yield from inPortions(lambda: case.told)
         return case

@@ -5,17 +5,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from slicer.i18n import tr as _
 
-from SDFStentLib.plan import flow_answer, flow_model
+from SDFStentLib.plan import flow_answer, flow_model, with_sections
 from SDFStentLib.validation import InputError
 
 from .Portions import inPortions
-
-
-def withSections(lesions):
-    """The same lesions, their sections cut: the application's thread would wait for those that it tells of."""
-    for lesion in lesions:
-        _cut = lesion.section
-    return lesions
 
 
 class Around(NamedTuple):
@@ -109,7 +102,7 @@ class LesionSearch:
             sentences = [caution.sentence() for caution in cautions]
             self.remark = "\n".join(filter(None, [self.remark, *sentences]))
             self.endNames = yield from inPortions(lambda: vessel.end_names)
-            self.found = yield from inPortions(lambda: withSections(vessel.lesions))
+            self.found = yield from inPortions(lambda: with_sections(vessel.lesions))
         except InputError as error:
             self.found, self.sentence = (), str(error)
 

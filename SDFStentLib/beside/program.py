@@ -18,7 +18,7 @@ from ..treatment import (
     Vessel,
     treated_lesions,
 )
-from ..vessel import Lesion
+from ..vessel import Lesion, with_sections
 from .process import NUMBER_BYTES, Answer, Request, Shared
 
 
@@ -90,7 +90,7 @@ class Program:
             treatment.survey = survey
         case = TreatedCase(self._vessel, treatment.result, lesions)
         if self._newest == number:
-            _cut_sections(case.lesions or ())
+            with_sections(tuple(one.after for one in case.lesions or () if one.stents))
             _ = case.told
             self._tell(Answer(number, case))
 
@@ -102,7 +102,8 @@ class Program:
         before = self._vessel.surface
         after = before.with_points(states[-1].points())
         found = treated_lesions(lesions, [state.placed for state in states], after, before)
-        return _cut_sections(found)
+        with_sections(tuple(one.after for one in found if one.stents))
+        return found
 
     def _preview(self, number: int, case: Case | None, lesions: tuple[Lesion, ...]) -> None:
         self._shared.add(lesions)
@@ -117,14 +118,6 @@ class Program:
 
     def _tell(self, answer: Answer) -> None:
         self._connection.send_bytes(self._shared.packed(answer))
-
-
-def _cut_sections(lesions: tuple[TreatedLesion, ...]) -> tuple[TreatedLesion, ...]:
-    """The same lesions, the sections cut that are told of those that were treated."""
-    for lesion in lesions:
-        if lesion.stents:
-            _ = lesion.after.section
-    return lesions
 
 
 def main() -> None:

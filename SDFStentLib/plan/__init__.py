@@ -1,5 +1,6 @@
 """One document that holds all that determines a result: written, read and carried out."""
 
+from ..vessel import with_sections as with_sections
 from .case import Case as Case
 from .case import TreatedCase as TreatedCase
 from .case import lying as lying

@@ -12,6 +12,7 @@ from .lesion_sections import OWN_SECTION as OWN_SECTION
 from .lesion_sections import tightest as tightest
 from .lesion_value import HealthyPlace as HealthyPlace
 from .lesion_value import Lesion as Lesion
+from .lesion_value import with_sections as with_sections
 from .lesions import SMALL_VESSEL as SMALL_VESSEL
 from .lesions import find_lesions as find_lesions
 from .lesions import lesion_after as lesion_after
