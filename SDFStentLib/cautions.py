@@ -1,4 +1,4 @@
-"""What a user has to know before relying on a result: a kind, numbers, and where.
+"""Cautions that a user needs before relying on a result: a kind, numbers, and a place.
 
 Code asks for the kind and the numbers. The sentence is made at the end, for the shell, the panel
 and the report alike, from the one template of its kind.

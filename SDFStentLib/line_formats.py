@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class LineFormat(NamedTuple):
-    """One format of lines."""
+    """A file format of lines."""
 
     suffix: str
     """The suffix in lower case, with its dot."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class SurfaceFormat(NamedTuple):
-    """One format of surfaces."""
+    """A file format of surfaces."""
 
     suffix: str
     """The suffix in lower case, with its dot."""

@@ -145,7 +145,7 @@ def as_patient_points(values: ArrayLike, name: str = "points", *, minimum: int =
 
 
 def as_point(values: ArrayLike, name: str = "point") -> NDArray[np.float64]:
-    """One finite point as a float64 array of shape (3,); raises `InputError` otherwise."""
+    """A finite point as a float64 array of shape (3,); raises `InputError` otherwise."""
     return as_points(np.reshape(np.asarray(values, dtype=object), (1, -1)), name, minimum=1)[0]
 
 

@@ -48,23 +48,23 @@ class ProcessEnded(Exception):
 
 
 class Request(NamedTuple):
-    """What the process is asked for; None in each field that is of another request. A number alone
-    asks for nothing more."""
+    """Request to the process; None in each field of other requests. A number alone asks for nothing
+    more."""
 
     number: int
-    """Of what is asked for: answers to earlier ones are not read any more."""
+    """Number of the request: answers to earlier ones are not read any more."""
     held: list[Any] | None = None
     """A vessel and what it holds, which later messages only name."""
     treatment: Treatment | None = None
-    """A treatment that is to begin,"""
+    """Treatment to begin,"""
     surveyed: Treatment | None = None
-    """or of which only the survey is wanted."""
+    """or one of which only the survey is wanted."""
     end: tuple[tuple[Lesion, ...] | None, Survey | None] | None = None
-    """Lesions of the vessel, and perhaps the survey, by which what has grown is to be told."""
+    """Lesions of the vessel, and perhaps the survey, with which the grown treatment is measured."""
     grown: tuple[tuple[Lesion, ...], tuple[TreatmentState, ...]] | None = None
-    """Lesions of the vessel, and the last state of every stent, of which what is left is wanted."""
+    """Lesions of the vessel, and each stent's last state, for the lesions after treatment."""
     previewed: tuple[Case | None, tuple[Lesion, ...]] | None = None
-    """A case of which a preview is wanted, or what the first one needs; lesions for its numbers."""
+    """Case to preview, None to make what the first preview needs; lesions for its numbers."""
 
 
 Value = (
@@ -78,11 +78,11 @@ Value = (
 
 
 class Answer(NamedTuple):
-    """What the process answers to the request of a number."""
+    """The process's answer to the request of a number."""
 
     number: int
     value: Value | Exception | None
-    """What was asked for, None after the last state, or what was raised."""
+    """Value asked for, None after the last state, or the exception that was raised."""
 
 
 class Shared:
@@ -246,7 +246,7 @@ class TreatmentProcess:
             self._send(Request(self._number))
 
     def answer(self, seconds: float) -> tuple[Value | None, ...]:
-        """What has come next within some seconds: of nothing (), else one value.
+        """The next answer within some seconds: () without one, else one value.
 
         Raises what the treatment raised, and `ProcessEnded` where the process is gone.
         """

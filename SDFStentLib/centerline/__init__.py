@@ -1,5 +1,5 @@
-"""One tree of a vessel from any lines that a file may hold, and the way that each
-vessel takes on."""
+"""Tree of a vessel's centerlines from any lines that a file may hold, and the way that each vessel
+takes on."""
 
 from .branch_lumen import BranchLumen as BranchLumen
 from .branch_lumen import station_spacing as station_spacing

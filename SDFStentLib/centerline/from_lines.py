@@ -1,4 +1,4 @@
-"""One tree from the lines of a centerline file, whichever program wrote it.
+"""Centerline tree from the lines of a file, whichever program wrote it.
 
 The same steps serve every form: weld points that coincide, merge lines that run along each
 other, join pieces across small gaps, choose the root, open loops. Tolerances are fractions of
@@ -120,8 +120,8 @@ def _filled(graph: LineGraph) -> Floats:
 
 
 def _joined(graph: LineGraph) -> tuple[LineGraph, Points]:
-    """One connected graph, and the places where it was joined: gaps within a sphere, shortest
-    first."""
+    """The graph, joined across gaps within a sphere, shortest first, and the places of the
+    bridges."""
     from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 
     labels = graph.component_labels()

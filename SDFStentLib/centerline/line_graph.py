@@ -220,8 +220,7 @@ def near_pairs(
     nodes: Indices | None = None,
     edges: Indices | None = None,
 ) -> Bridges:
-    """All pairs of a node and a segment that it does not end, within reach of the segment's wider
-    end.
+    """Pairs of a node and a segment that it does not end, within reach of the segment's wider end.
 
     Dense points of wide vessels have hundreds of neighbors each: so the pairs are looked at in
     blocks, and only those within reach are kept.

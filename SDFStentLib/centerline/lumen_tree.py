@@ -1,4 +1,4 @@
-"""How wide lumens are, with all that they lead to, and in which of its children each may go on."""
+"""Tree of lumens: the width of each with all that it leads to, and the children it may go on in."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ lead inward from there; NaN where a width is not known."""
 
 
 class FileLines(NamedTuple):
-    """Where the lines of a file begin and end, in its order and direction."""
+    """First and last places of a file's lines, in its order and direction."""
 
     places: Points
     """(n, 2, 3) first and last place of every line, mm."""

@@ -45,7 +45,7 @@ def round_ends(balls: InnerBalls, begin: int | None, known: Indices, wall: Surfa
 
 
 class _Reach:
-    """How far every ball reaches from one of them."""
+    """Reach of every ball from one of them: the way to its center, and its radius."""
 
     def __init__(self, balls: InnerBalls, begin: int) -> None:
         self.balls = balls

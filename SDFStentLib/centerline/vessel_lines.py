@@ -22,7 +22,7 @@ AS_WIDE = 1 + 1e-6
 
 
 class LumenPlace(NamedTuple):
-    """Where a place of a tree lies among its stretches of lumen."""
+    """Position of a place of a tree on its stretches of lumen."""
 
     stretch: int
     arc_length: float

@@ -114,7 +114,7 @@ class WidestWays:
 
 
 def limbs_met(balls: InnerBalls, former: Indices) -> Indices:
-    """Where limbs of a lumen that have parted meet again.
+    """Meetings of limbs of a lumen that have parted, as pairs of neighboring balls.
 
     Parameters
     ----------

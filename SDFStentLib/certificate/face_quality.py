@@ -104,7 +104,8 @@ def inverted_triangles(
 
 
 def _folded_flat(points: Points, triangles: Triangles, doubtful: Flags) -> Indices:
-    """Those of the doubtful faces (m,) that lie on a neighbor beyond a side, within `NO_HEIGHT`."""
+    """Indices of the doubtful faces (m,) that lie on a neighbor beyond a side, within
+    `NO_HEIGHT`."""
     if not doubtful.any():
         return np.empty(0, dtype=np.int64)
     at_doubtful = np.zeros(len(points), dtype=bool)

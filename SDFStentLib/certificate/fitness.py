@@ -38,7 +38,7 @@ class FaceFaults(NamedTuple):
 
     @property
     def faces(self) -> Indices:
-        """All faulty faces; one with several faults stands there several times."""
+        """Indices of all faulty faces; one with several faults is repeated."""
         return np.concatenate([self.intersecting, self.inverted, self.degenerate])
 
 

@@ -44,7 +44,7 @@ class Seams:
         self._points, self._triangles, self._near = points, triangles, near
 
     def same_corners(self, first: Indices, second: Indices, one: Floats, other: Floats) -> Flags:
-        """Which corners (3, 3, k) of pairs of triangles are the same.
+        """Mask (3, 3, k) of the corners that are the same in pairs of triangles.
 
         Parameters
         ----------

@@ -31,8 +31,7 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class MotionCheck:
-    """How far a stent moved the wall, at the point that comes nearest to its bound or exceeds it
-    most.
+    """Motion of the wall at the point that comes nearest to its bound or exceeds it most.
 
     Attributes
     ----------
@@ -155,7 +154,7 @@ class LumenCheck:
         return (Caution("narrower", widths, place),)
 
     def in_words(self, units: str = "mm") -> str:
-        """How much narrower than prescribed the lumen is, as a part of a sentence."""
+        """Narrowing of the lumen against what is prescribed, as a part of a sentence."""
         if self.shortfall <= NOTICEABLY_NARROWER:
             most = f"{100 * NOTICEABLY_NARROWER:g} %"
             return f"its lumen is nowhere more than {most} narrower than prescribed"

@@ -1,4 +1,4 @@
-"""Where faulty faces of a surface gather, and the words for that."""
+"""Clusters of faulty faces on a surface, and the words for them."""
 
 from __future__ import annotations
 

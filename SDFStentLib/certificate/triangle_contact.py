@@ -24,7 +24,7 @@ _PLANE_SIDES = ((0, 1, 2), (0, 2), (0,))
 
 
 def certain_contact(first: Floats, second: Floats, shared: int) -> tuple[Flags, Flags]:
-    """Which pairs certainly meet, and which are undecided; all others are certainly apart.
+    """Masks of the pairs that certainly meet and of those undecided; others are certainly apart.
 
     To meet means to have a point in common that is not on a shared corner or side.
 
@@ -65,7 +65,7 @@ def certain_contact(first: Floats, second: Floats, shared: int) -> tuple[Flags, 
 
 
 def exact_contact(first: Floats, second: Floats, same: Flags | None = None) -> Flags:
-    """Which pairs meet, in exact arithmetic.
+    """Mask (k,) of the pairs that meet, in exact arithmetic.
 
     A triangle without area meets nothing. Triangles with three shared corners meet.
 

@@ -1,4 +1,4 @@
-"""One run of a deployment: the points that can move, the radius steps, the finished lumen."""
+"""A run of a deployment: the points that can move, the radius steps, the finished lumen."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ class Growth:
 
 
 class Attempt(Growth):
-    """One run of the radius steps on the wall itself, with one tissue gap.
+    """A run of the radius steps on the wall itself, with one tissue gap.
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ class Attempt(Growth):
         self.positions = positions
 
     def motion_check(self) -> MotionCheck:
-        """How far the wall has moved, compared with what the method can move."""
+        """Motion of the wall compared with the bound of the method."""
         before, after = self.start[: self.wall_count], self.positions[: self.wall_count]
         return motion_check(before, after, self.task.capsules, self.task.radius, self._gap)
 
@@ -211,7 +211,7 @@ class Attempt(Growth):
 
     @cached_property
     def _is_cap(self) -> NDArray[np.bool_]:
-        """Which faces of the patch belong to flat caps across the stent's ends."""
+        """Mask of the patch's faces that belong to flat caps across the stent's ends."""
         nodes, reach = self.task.capsules.nodes, CAPS_WITHIN * self.task.radius
         return caps_across(self.task.surface, nodes, reach)[self.patch.faces]
 
@@ -277,7 +277,7 @@ class Attempt(Growth):
         self._nearest_own = int(np.where(is_own, level, np.inf).argmin())
 
     def _is_beside(self) -> NDArray[np.bool_]:
-        """Which points of the wall lie beside the stent: not beyond an end, nor in a cap."""
+        """Mask of the wall's points beside the stent: not beyond an end, nor in a cap."""
         points, nodes = self.positions[: self.wall_count], self.task.capsules.nodes
         nearest = self.motion.distance_at(self.motion.level)[: self.wall_count]
         reach = nearest + self.task.capsules.smoothing_width

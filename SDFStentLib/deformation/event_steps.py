@@ -146,7 +146,7 @@ class _Dragged(NamedTuple):
 def _dragged(
     motion: Motion, rule: StepRule, contact: ContactSet, front: Front, step: Step
 ) -> _Dragged:
-    """All points out of contact and outside of the front that have a contact near enough."""
+    """Points out of contact and outside of the front that have a contact near enough."""
     radius, growth, reach = step
     drags = front.has_touched & motion.drags[front.members]
     hits = front.members[drags]

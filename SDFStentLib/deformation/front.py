@@ -18,7 +18,7 @@ SUBSTEPS = 8
 
 
 class Step(NamedTuple):
-    """One growth of the stent."""
+    """A growth step of the stent."""
 
     radius: float
     """Radius of the stent at the beginning of the step, mm."""

@@ -271,7 +271,7 @@ def _cutting_edges(
 
 
 def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
-    """How far the ends of chords may have to move out until their middles reach a radius, mm.
+    """Largest outward move of the ends of chords until their middles reach a radius, mm.
 
     Both ends of a chord of length e at a radius r lie at the angle a from its middle, with sin a =
     e / 2 r, and its middle at r cos a. With the ends at r / cos a the middle has come to r. This is

@@ -106,7 +106,8 @@ class SampledWall:
         return rows[_independent(len(rows), pairs[dot(first, second) > 0])]
 
     def _candidates(self, edge: float) -> Indices:
-        """One row for every cube of a grid and every main direction that walls face in it."""
+        """Indices of a point for every cube of a grid and every main direction that walls face in
+        it."""
         largest = np.abs(self.normals).argmax(axis=1)
         facing = 2 * largest + (self.normals[np.arange(len(largest)), largest] > 0)
         key = _cube_numbers(self.points, edge) * 6 + facing

@@ -202,7 +202,7 @@ def _beside_wider_parts(chain: CapsuleChain, radius: float, stations: Points) ->
 
 
 def _dragged(stent: Expected, stations: Points, native: Floats) -> Floats:
-    """How far (n,) wall that the stent does not reach may be dragged along by wider parts, mm.
+    """Distance (n,) that wall out of the stent's reach may be dragged along by wider parts, mm.
 
     It moves less the farther it is from them, by the blending of the method, and no farther out
     than it was away from the stent, by the drag bound.

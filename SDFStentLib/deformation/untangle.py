@@ -46,7 +46,7 @@ class Relief(NamedTuple):
     center: Place
     """The point that was taken back farthest, mm."""
     depth: float
-    """How far that point was taken back, mm; facets now lie inside by about as much."""
+    """Distance by which that point was taken back, mm; facets now lie inside by about as much."""
 
     def caution(self) -> Caution:
         """A caution for the person who will use the surface."""

@@ -94,7 +94,7 @@ class DeploymentResult:
 
     @property
     def points(self) -> Points:
-        """All points (n, 3) of the deformed surface, mm."""
+        """The points (n, 3) of the deformed surface, mm."""
         return self.surface.points
 
 

@@ -80,7 +80,7 @@ def _doubtful(
 
 
 class _Depths(NamedTuple):
-    """How deep places all over some triangles lie inside of a stent."""
+    """Depths inside a stent of places all over some triangles."""
 
     places: Points
     """(t, p, 3) places, mm."""
@@ -93,8 +93,7 @@ class _Depths(NamedTuple):
 
 
 def _depths(corners: Points, along: int, chain: CapsuleChain, radius: float) -> _Depths:
-    """How deep places of triangles (t, 3, 3) lie inside; there are `along` of them
-    on every side."""
+    """Depths of places on triangles (t, 3, 3); there are `along` of them on every side."""
     places = np.einsum("pc,tcx->tpx", _weights(along), corners)
     shape, flat = places.shape[:2], places.reshape(-1, 3)
     axis_length, nearest = chain.followed.length, chain.followed.nearest(flat)

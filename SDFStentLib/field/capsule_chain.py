@@ -163,7 +163,7 @@ class CapsuleChain:
         return CapsuleChain(self.nodes[::-1], self.smoothing_width, self.fold, shares, axis)
 
     def shortfall(self, points: Points, radius: float) -> NDArray[np.float64] | float:
-        """How far the stent's radius near points (n, 3) is below its largest one, mm."""
+        """Shortfall (n,) of the stent's radius near points (n, 3) from its largest one, mm."""
         if self.shares is None:
             return 0.0
         return radius * (1 - self.shares.at(points, self.line))
@@ -209,7 +209,7 @@ def as_chain(value: Any) -> CapsuleChain:
 
 
 def radius_correction(chain: CapsuleChain, radius: float) -> float:
-    """How much the smooth minimum inflates the chain at a radius, mm, as the mean over the stent.
+    """Mean inflation of the chain by the smooth minimum at a radius, over the stent, mm.
 
     The paper subtracts k/4 everywhere. On a real axis the inflation depends on bends, capsule
     length and radius, so it is measured: the mean difference between the true and the smooth

@@ -48,7 +48,7 @@ class Closing(NamedTuple):
 
 
 def closing(triangles: Triangles, topology: Topology) -> Closing:
-    """How the parts of a surface are closed by a fan over every hole.
+    """Closing of every part of a surface by a fan over each of its holes.
 
     Where more than two triangles meet at an edge, as where a membrane meets the wall, each part is
     closed there by itself.

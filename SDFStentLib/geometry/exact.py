@@ -30,8 +30,7 @@ def turn_signs(start: Floats, end: Floats, place: Floats) -> Indices:
 
 
 def volume_signs(corners: tuple[Floats, Floats, Floats], place: Floats) -> Indices:
-    """Which side of a triangle's plane each place (3, k) is on: 1 where the normal points to, -1,
-    or 0."""
+    """Side of a triangle's plane each place (3, k) lies on: 1 where the normal points, -1, or 0."""
     return _signs((*corners, place), _volume, _VOLUME)
 
 

@@ -111,7 +111,7 @@ def median_edge(points: Points, triangles: Triangles) -> float:
 
 
 def faces_at(vertices: NDArray[np.bool_], triangles: Triangles) -> NDArray[np.bool_]:
-    """Which triangles (m,) have a corner at one of the marked vertices (n,)."""
+    """Mask (m,) of the triangles with a corner at one of the marked vertices (n,)."""
     # Column by column: `any` along an axis of three takes NumPy several times longer.
     first, second, third = triangles.T
     return vertices[first] | vertices[second] | vertices[third]

@@ -1,4 +1,4 @@
-"""What lies inside of a surface, open or closed, wound in whatever way.
+"""Exact inside test for a surface, open or closed, wound in whatever way.
 
 A place is inside of a part of the surface when that goes round it: its winding number, the sum of
 the signed crossings of a ray, is not 0. Jacobson, Kavan and Sorkine-Hornung 2013, doi
@@ -39,7 +39,7 @@ class _Pairs(NamedTuple):
 
 
 class Inside:
-    """What lies inside of closed parts of a surface, see `Surface.contains`.
+    """Inside test for closed parts of a surface, see `Surface.contains`.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class Inside:
 
 
 def _may_hold(low: Floats, high: Floats, places: Floats) -> Flags:
-    """Which boxes from low to high (2, m) are near one of some places (2, k); most hold none.
+    """Mask (m,) of the boxes from low to high (2, m) that may hold one of some places (2, k).
 
     Places are counted in a raster whose summed-area table gives the count in any rectangle at once:
     Crow 1984, doi 10.1145/964965.808600.

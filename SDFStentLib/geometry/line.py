@@ -32,7 +32,7 @@ class SegmentLocations(NamedTuple):
 
 
 def places_in_plane(starts: Points, ends: Points, origin: Floats, normal: Floats) -> Points:
-    """Where pieces (k, 3) of lines go through a plane with a normal (3,) of any length."""
+    """Points where pieces (k, 3) of lines cross a plane, whose normal (3,) has any length."""
     first, last = (starts - origin) @ normal, (ends - origin) @ normal
     through = np.flatnonzero((first < 0) != (last < 0))
     share = first[through] / (first[through] - last[through])

@@ -13,7 +13,7 @@ from ..validation import InputError, Points, as_number
 
 @dataclass(frozen=True)
 class Precision:
-    """How coordinates will be stored: the certificate is about the stored numbers.
+    """Precision of stored coordinates: the certificate is about the stored numbers.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How a surface is put together: which points are the same point, and which triangles repeat.
+"""Seams of a surface: points that are the same point, and triangles that repeat.
 
 Appended parts, split normals and files in pieces store the points of a seam more than once.
 """

@@ -22,7 +22,7 @@ _REPEAT = 1e-9
 
 
 class SectionLoop(NamedTuple):
-    """One connected piece of a plane section.
+    """A connected piece of a plane section.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class SectionLoop(NamedTuple):
 
 
 class Crossings(NamedTuple):
-    """Where a plane crosses a surface; a point in the plane counts as above it."""
+    """Crossings of a surface with a plane; a point in the plane counts as above it."""
 
     triangles: Indices
     """(k,) triangles that the plane crosses."""

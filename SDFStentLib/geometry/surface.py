@@ -221,7 +221,7 @@ class Surface:
 
     @property
     def topology(self) -> Topology:
-        """How the triangles hang together; worked out once for all surfaces of these triangles."""
+        """Connectivity of the triangles; worked out once for all surfaces of these triangles."""
         return self._mesh.topology
 
     @property
@@ -261,7 +261,7 @@ class Surface:
 
     @property
     def closing(self) -> Closing:
-        """How every part of the surface is closed; worked out once, as the topology is."""
+        """Closing of every part of the surface; worked out once, as the topology is."""
         return self._mesh.closing
 
     @cached_property

@@ -1,4 +1,4 @@
-"""How the triangles of a surface hang together: edges, fans, components; no coordinates here.
+"""Connectivity of a surface's triangles: edges, fans, components; no coordinates here.
 
 Triangles are (m, 3) arrays of int64, at least one row and no index below 0: those of a `Surface`,
 or a part of them.
@@ -68,7 +68,7 @@ class VertexNeighbors(NamedTuple):
 
 
 class Topology(NamedTuple):
-    """What the triangles alone say about a surface.
+    """Topology of a surface, from its triangles alone.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ def is_manifold(triangles: Triangles) -> bool:
 
 
 def surface_topology(triangles: Triangles) -> Topology:
-    """All that the triangles alone say about a surface."""
+    """Work out the topology of a surface from its triangles alone."""
     corners = triangles.ravel()
     sides, is_first = _sorted_sides(triangles)[1:]
     starts = np.flatnonzero(is_first)
@@ -253,7 +253,8 @@ def consistently_wound(triangles: Triangles) -> tuple[Triangles, Indices]:
 
 
 def _disagree(triangles: Triangles, pairs: Indices) -> Flags:
-    """Which pairs of sides (p, 2) at one edge run along it in the same direction."""
+    """Mask (p,) of the pairs of sides (p, 2) at one edge that run along it in the same
+    direction."""
     starts = triangles.ravel()[pairs]
     return np.asarray(starts[:, 0] == starts[:, 1])
 

@@ -1,4 +1,4 @@
-"""How wide a lumen is along an axis, and how far its wall was moved."""
+"""Width of a lumen along an axis, and motion of its wall."""
 
 from .caps import bulged_caps as bulged_caps
 from .caps import caps_across as caps_across

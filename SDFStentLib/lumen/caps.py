@@ -147,7 +147,7 @@ def _as_spot(points: Points, triangles: Triangles, cap: FlatCap) -> Spot:
 
 
 def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool_]:
-    """Which faces (m,) belong to flat caps across an axis (n, 3), of which a part is near its ends.
+    """Mask (m,) of the faces in flat caps across an axis (k, 3) of which a part is near its ends.
 
     Parameters
     ----------
@@ -188,9 +188,9 @@ def off_caps(surface: Surface) -> Points:
 
 
 def looks_across(points: Points, normals: Points, axis: Points, reach: float) -> NDArray[np.bool_]:
-    """Which points of a wall (n, 3) have normals of caps across an axis, within mm of its ends.
+    """Mask (n,) of wall points with normals as of caps across an axis, within reach of its ends.
 
-    What can be told without faces: the bottom of a round dead end looks like a cap, too.
+    Unlike `caps_across` it knows no faces: the bottom of a round dead end looks like a cap, too.
     """
     looks = np.zeros(len(points), dtype=bool)
     for end, inner in (axis[:2], axis[:-3:-1]):

@@ -58,7 +58,8 @@ def part_near(points: Points, triangles: Triangles, stations: Points, radius: fl
 def touches(
     points: Points, triangles: Triangles, outward: Points, spheres: InscribedSpheres, cosine: float
 ) -> Flags:
-    """Which spheres (k,) touch the surface in their outward direction (k, 3), so nearly.
+    """Mask (k,) of the spheres that touch the surface in a cone about their direction (k, 3)
+    outward.
 
     One that reaches through it was measured without what is there, and counts. One that is unknown,
     or has climbed out of the surface, touches nothing.
@@ -83,7 +84,7 @@ def touches(
 
 
 def fills(spheres: InscribedSpheres, equivalent: Floats) -> Flags:
-    """Which spheres (n,) fill their sections of these equivalent diameters (n,)."""
+    """Mask (n,) of the spheres that fill their sections of these equivalent diameters (n,)."""
     return np.asarray(2 * spheres.radii > ROUND * equivalent)
 
 
@@ -163,7 +164,8 @@ def past_closed_ends(
 
 
 def _are_limited(points: Points, caps: Triangles, spheres: InscribedSpheres) -> Flags:
-    """Which spheres (k,) touch caps (m, 3): only these grow when the caps are taken away.
+    """Mask (k,) of the spheres that touch caps (m, 3): only these grow when the caps are taken
+    away.
 
     One that reaches through a cap was measured without it.
     """
@@ -181,7 +183,7 @@ def _in_caps(
     directions: Points,
     margin: float,
 ) -> NDArray[np.bool_]:
-    """Which triangles (m,) lie in flat caps across the axis, near some stations."""
+    """Mask (m,) of the triangles in flat caps across the axis, near some stations."""
     low, high = stations.min(axis=0) - margin, stations.max(axis=0) + margin
     near = np.flatnonzero(may_meet_box(points, triangles, low, high))
     is_capped = np.zeros(len(triangles), dtype=bool)

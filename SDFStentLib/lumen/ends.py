@@ -55,7 +55,7 @@ def spot(points: Points, rim: Indices, across: Floats, faces: Indices, center: F
 
 
 def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
-    """Which spots (k,) of a surface are ends of the vessel."""
+    """Mask (k,) of the spots of a surface that are ends of the vessel."""
     found = np.zeros(len(spots), dtype=bool)
     own = [number for number, one in enumerate(spots) if one.narrow > 0]
     if not own:
@@ -79,7 +79,7 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
 
 
 def _meet_wall(index: SurfaceIndex, spot_of: Indices, middles: Points, radii: Floats) -> Flags:
-    """Which spheres (k,), each below the spot of its number, meet wall that is not the spot's."""
+    """Mask (k,) of the spheres, each below the spot of its number, that meet wall outside of it."""
     query, triangle, _ = index.near(middles, radii)
     is_wall = spot_of[triangle] != query
     query, triangle = query[is_wall], triangle[is_wall]

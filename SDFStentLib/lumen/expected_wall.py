@@ -1,4 +1,4 @@
-"""Where the wall of a vessel would be if no branch left it."""
+"""Expected wall of a vessel, as if no branch left it."""
 
 from __future__ import annotations
 

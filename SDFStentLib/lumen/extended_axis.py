@@ -29,9 +29,9 @@ NOTHING = 1e-6
 """Length, mm, that is no more than rounding: a loop that goes on by less may never end."""
 
 _CLOSELY = 1e-4
-"""What the search for a sphere on the way promises to gain at least, mm. Where a lumen is flat the
-middle is known far less well than the radius, and ways that go on from there part at a junction: at
-0.01 they led up to 15 mm apart, by how the search begins."""
+"""Least promised gain, mm, for which the search for a sphere on the way goes on. Where a lumen is
+flat the middle is known far less well than the radius, and ways that go on from there part at a
+junction: at 0.01 they led up to 15 mm apart, by how the search begins."""
 
 
 def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> list[Points]:
@@ -78,7 +78,7 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
 
 
 def _room(offset: Points, heading: Points, radii: Floats) -> Floats:
-    """How far (n,) a way may go on in a sphere from an offset to its middle; 0 beside it."""
+    """Distance (n,) that a way may go on in a sphere from an offset to its middle; 0 beside it."""
     along = dot(offset, heading)
     left = along**2 - dot(offset, offset) + (_WITHIN * radii) ** 2
     return np.where(left > 0, np.sqrt(np.maximum(left, 0.0)) - along, 0.0)

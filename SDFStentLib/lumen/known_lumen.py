@@ -85,7 +85,7 @@ MOST = 20_000
 """Number of stations kept for one surface, about 100 bytes each; above it all are forgotten."""
 
 _known: WeakKeyDictionary[Surface, dict[tuple[bytes, bytes, bytes], Stations]] = WeakKeyDictionary()
-"""What was measured together, by places, directions and caps left out."""
+"""Stations that were measured together, by places, directions and caps left out."""
 
 
 def measured_once(

@@ -1,4 +1,4 @@
-"""How wide a vessel is where its lines end, and lines that begin at its wall put into its middle.
+"""Width of a vessel where its lines end, and lines that begin at its wall put into its middle.
 
 What a network extraction traces from one hole, or a hand draws from a rim, reaches the middle of
 the vessel only farther on. Measured along itself it tells of narrowings that are not there.
@@ -206,7 +206,7 @@ def loop_cautions(tree: Centerline) -> tuple[Caution, ...]:
 
 
 class _Reached(NamedTuple):
-    """Where a line that began beside the middle of its vessel reaches that."""
+    """Place where a line that began beside the middle of its vessel reaches it."""
 
     along: float
     """Arc length from the end of the line, mm,"""

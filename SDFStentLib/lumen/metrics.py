@@ -305,7 +305,7 @@ def _throats(
     diameters: Floats,
     lowest: Sequence[int],
 ) -> Floats:
-    """Where the lumen is narrower beside some of its stations than there, as `throats`."""
+    """Throats (k, 2) between some stations and their neighbors, as `throats`."""
     if not lowest:
         return np.empty((0, 2))
     at = np.concatenate([number + _FINE for number in lowest])

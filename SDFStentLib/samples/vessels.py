@@ -1,4 +1,4 @@
-"""Where the files of the sample vessels are."""
+"""Files of the sample vessels."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def _between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment | s
 
 
 class _SidesOfCuts:
-    """What lies above curves on a surface, and whether none of that lies below one, too."""
+    """The part of a surface above curves, and whether none of it lies below one, too."""
 
     def __init__(self, mesh: CutSurface, rims: Sequence[Indices]) -> None:
         start = np.concatenate(rims)

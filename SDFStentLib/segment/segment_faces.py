@@ -41,7 +41,7 @@ class SegmentFace(NamedTuple):
     normal: Floats
     """(3,) mean of its outward unit normals; a unit vector for a flat face."""
     said: str = ""
-    """What tells it from others of its kind, such as the vessel that ends there."""
+    """Words that tell it from others of its kind, such as the vessel that ends there."""
 
 
 HOLE = "hole"

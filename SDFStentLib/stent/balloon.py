@@ -64,7 +64,7 @@ class Balloon:
 
     @property
     def lumen_diameter(self) -> float:
-        """What is left when it is let down, and is deployed, mm."""
+        """Diameter of the lumen that it leaves when it is let down, and that is deployed, mm."""
         return self.diameter * (1.0 - self.recoil_fraction)
 
 

@@ -171,7 +171,7 @@ class Device:
     def cautions(
         self, diameter: float, length: float | None, opened: float | None = None
     ) -> Iterator[Caution]:
-        """Where a diameter, or a nominal length, mm, is another than is known of it.
+        """Cautions for a diameter, or a nominal length, mm, that is another than is known of it.
 
         `opened` is how far it is opened for that diameter, where that is farther.
         """

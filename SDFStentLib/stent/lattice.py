@@ -36,7 +36,7 @@ GAP = 0.3
 
 @dataclass(frozen=True)
 class LatticeDesign:
-    """How a stent is drawn.
+    """Design of a stent's struts.
 
     Attributes
     ----------
@@ -45,11 +45,11 @@ class LatticeDesign:
     crowns : int
         Points of a ring on either side, 3 to 60.
     rings : int, optional
-        At least 1; left out, as many as make cells of usual proportions.
+        Number of rings, at least 1; by default as many as make cells of usual proportions.
     link_every : int
-        Of open cells: every so many crowns a link; divides their number.
+        Crowns from one link of open cells to the next; divides their number.
     crimped_diameter : float
-        Before it is expanded, mm.
+        Diameter before expansion, mm.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def straight_lattice(
 
 
 class _Net(NamedTuple):
-    """Where struts meet, and which ones do."""
+    """Nodes and struts of a net."""
 
     heights: Floats
     """(n,) fractions of the length."""

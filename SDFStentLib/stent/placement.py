@@ -120,7 +120,7 @@ class AlongAxis(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class OfStent(ByValue):
-    """Where an earlier stent of the treatment lies: that one is dilated once more.
+    """Placement at an earlier stent of the treatment: that one is dilated once more.
 
     `number` is the earlier one's in the plan, from 1.
     """

@@ -14,7 +14,7 @@ _KEPT: dict[type, str] = {AtDistalEnd: "distal", AtProximalEnd: "proximal"}
 
 
 def dilated_again(stent: Stent, number: int, diameter: float) -> Stent:
-    """What follows a stent of a plan when that one is dilated once more.
+    """The stent that dilates a stent of a plan once more.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def _second_balloon(stent: Stent, first: Balloon, diameter: float) -> Balloon:
 
 
 def redilated(stent: Stent, first: Stent, axis: StentAxis) -> Stent:
-    """What a stent that is placed by `OfStent` is: the earlier one, at another diameter.
+    """The earlier stent at another diameter, for a stent that is placed by `OfStent`.
 
     Its nominal length, device and shortening are those of the earlier one; with a table of lengths
     it shortens to the one at the new diameter.

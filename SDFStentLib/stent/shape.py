@@ -75,7 +75,7 @@ class DiametersAlong(NamedTuple):
 
 @dataclass(frozen=True)
 class Shape:
-    """What makes a stent another than a cylinder.
+    """Shape of a stent that is no plain cylinder.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ DEFAULT_FORESHORTENING = 0.10
 
 
 KEPT = ("center", "proximal", "distal")
-"""What can stay where it is when a stent shortens."""
+"""Places that can stay where they are when a stent shortens."""
 
 _KEPT_BY_PLACE: dict[type, str] = {AtProximalEnd: "proximal", AtDistalEnd: "distal"}
 
@@ -186,7 +186,7 @@ class Stent(ByValue):
 
     @property
     def kept(self) -> str:
-        """What stays where it is when it shortens: that by which it is placed, else `keeps`."""
+        """Place that stays when it shortens: that by which it is placed, else `keeps`."""
         return _KEPT_BY_PLACE.get(type(self.placement), self.keeps)
 
     def device_cautions(self) -> Iterator[Caution]:

@@ -17,18 +17,18 @@ from .stent import KEPT
 
 
 class TurnedWay(NamedTuple):
-    """How the points of an axis go when its pieces turn."""
+    """Motion of the points of an axis as its pieces turn."""
 
     line: Line
-    """The line as it is."""
+    """Line before it moves."""
     along: Points
-    """(n - 1, 3) their directions."""
+    """(n - 1, 3) directions of its pieces."""
     across: Points
     """(n - 1, 3) perpendicular to these, in the plane in which the piece turns."""
     angles: Floats
-    """(n - 1,) to the goals, rad."""
+    """(n - 1,) angles between the pieces and their goals, rad."""
     keeps: str
-    """What stays, as of `Stent`: the end that stays, or the middle between both."""
+    """Place that stays, as of `Stent`: the end that stays, or the middle between both."""
 
     def at(self, fraction: float) -> Line:
         """The axis at a fraction of the way, 0 to 1."""
@@ -58,7 +58,7 @@ class TurnedWay(NamedTuple):
 
 
 def straight_way(line: Line, keeps: str = "center") -> TurnedWay:
-    """How a polyline becomes straight.
+    """Motion of a polyline that becomes straight.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def straight_way(line: Line, keeps: str = "center") -> TurnedWay:
 
 
 def turned_way(line: Line, goals: Floats, keeps: str = "center") -> TurnedWay:
-    """How a polyline goes when every piece of it turns toward a goal.
+    """Motion of a polyline of which every piece turns toward a goal.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ def covered_by_all(
 
 
 def _along(axis: ExtendedAxis, stent: Stage | PlacedStent) -> tuple[Floats, bool]:
-    """Where along an axis (n,) a stent lies in the same vessel, mm, and whether all of it does."""
+    """Arc lengths (n,) of a stent on an axis in its vessel, mm, and whether all of it is there."""
     near = axis.line.nearest(Line(stent.axis.points).resampled(_SPACING).points)
     is_there = near.distances < _APART * stent.stent.radius
     return near.arc_lengths[is_there] - axis.before, bool(is_there.all())
@@ -51,7 +51,7 @@ def _along(axis: ExtendedAxis, stent: Stage | PlacedStent) -> tuple[Floats, bool
 def covered_where_moved(
     treated: TreatedStent, moved: PlacedStent, stents: Iterable[PlacedStent]
 ) -> tuple[int, int] | None:
-    """How many branches beside a stent were covered, and how many some stents cover now.
+    """Numbers of branches beside a stent that were covered, and that some stents cover now.
 
     None where it has moved to where nobody has looked for branches.
     """
@@ -124,11 +124,11 @@ def lumen_into(ostium: Ostium, stent: TreatedStent) -> NeighborLumen | None:
 
 
 def _away(lumen: NeighborLumen, ostium: Ostium) -> float:
-    """How far a way passes from the middle of an ostium, mm."""
+    """Distance at which a way passes the middle of an ostium, mm."""
     return float(lumen.path.nearest(ostium.center[None]).distances[0])
 
 
 def _beyond(stent: TreatedStent, ostium: Ostium) -> float:
-    """How far beyond the ends of a stent the middle of an ostium lies, mm; 0 beside it."""
+    """Distance from the middle of an ostium to a stent's nearer end, mm; 0 beside the stent."""
     middle = (ostium.start + ostium.end) / 2
     return max(-middle, middle - stent.axis.deployed_length, 0.0)

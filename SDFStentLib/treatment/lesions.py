@@ -1,4 +1,4 @@
-"""What stents do to a vessel's lesions."""
+"""Lesions after stenting."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def treated_lesions(
     after: Surface,
     before: Surface | None = None,
 ) -> tuple[TreatedLesion, ...]:
-    """All lesions of a vessel with what a treatment left of them.
+    """Lesions of a vessel before and after a treatment.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ class Residual:
 
 
 def residual_of(lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent]) -> Residual | None:
-    """What is narrowest in the vessels in which stents cover a lesion, wherever it lies.
+    """Narrowest place in the vessels in which stents cover a lesion, wherever it lies.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def _there(lesion: TreatedLesion, stents: Sequence[PlacedStent]) -> list[PlacedS
 
 
 def _spans(lesion: Lesion, stents: Sequence[PlacedStent]) -> list[_Span]:
-    """Where stents lie, by the distances of their ends along the lesion's line and beyond it."""
+    """Extents of stents: distances of their ends along the lesion's line and beyond it."""
     line = lesion.line
     (start, end), directions = line.points[[0, -1]], line.directions
     found = []

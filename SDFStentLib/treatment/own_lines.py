@@ -37,8 +37,8 @@ STEP = 0.2
 """Distance of two points of a line, in radii of the lumen."""
 
 SMOOTHED = 20
-"""How often a point goes half way to the middle between its neighbors: evens out what is shorter
-than half a diameter or so."""
+"""Number of times that a point goes half way to the middle between its neighbors: evens out what is
+shorter than half a diameter or so."""
 
 AGAIN = 1
 """The same for the centers of spheres, which are exact but for the triangles of the wall."""

@@ -70,7 +70,7 @@ class Placer:
     probes: Callable[[Points], Points] | None = None
 
     def label(self, number: int) -> str:
-        """How a message names a stent; empty when there is only one, without a name."""
+        """Name of a stent in messages; empty when there is only one, without a name."""
         return label_of(self.stents, number, self.rows)
 
     def placed(

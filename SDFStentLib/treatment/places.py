@@ -27,7 +27,7 @@ NEAR = 1.0
 
 
 class Landmarks(NamedTuple):
-    """What places are found by in one vessel."""
+    """Centerline, lesions and branches of one vessel, by which places are found."""
 
     centerline: Centerline
     lesions: Sequence[Lesion]
@@ -58,7 +58,7 @@ class Landmarks(NamedTuple):
         )
 
     def along(self, placement: OnBranch) -> float:
-        """How far along its branch a place is, mm; errors as of `branch`."""
+        """Distance of a place along its branch, mm; errors as of `branch`."""
         if placement.distance is not None:
             return placement.distance
         assert placement.fraction is not None
@@ -96,7 +96,8 @@ class Landmarks(NamedTuple):
         return AtLesion(1 + int(np.argmin(away)))
 
     def _nearest_on_branch(self, point: Points | None) -> OnBranch:
-        """Where a point (3,) is on its branch, to a tenth of a mm; halfway on the first without."""
+        """Place of a point (3,) on its branch, to a tenth of a mm; without one halfway on the
+        first."""
         if point is None:
             return OnBranch(1, fraction=0.5)
         place, tree = self.centerline.project(point), self.centerline
@@ -134,7 +135,7 @@ class StentMiddle(NamedTuple):
 
 
 def spot_of(placement: OfVessel, among: Landmarks) -> StentMiddle:
-    """Where the middle of a stent is.
+    """Middle of a stent in the vessel.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Where a stent goes that treats a lesion, and the healthy vessel that it is compared with."""
+"""Placement of a stent that treats a lesion, and the healthy vessel that it is compared with."""
 
 from __future__ import annotations
 
@@ -24,8 +24,7 @@ _SAME = 1e-6
 
 
 def uncovered_length(lesion: Lesion, axes: Sequence[Line]) -> float:
-    """How much of a lesion is beyond the ends of stents with these axes, or in another
-    vessel than they are, mm."""
+    """Length of a lesion beyond the ends of stents with these axes, or in another vessel, mm."""
     line = lesion.line.resampled(_SPACING)
     radii = np.interp(line.arc_lengths, lesion.line.arc_lengths, lesion.healthy) / 2
     beyond = np.all([_is_beyond(line.points, radii, axis) for axis in axes], axis=0)
@@ -182,7 +181,7 @@ def _references(places: Floats, lesions: Sequence[Lesion]) -> tuple[Floats, Flag
 
 
 def _in_junction(places: Floats, lumen: Floats, lesions: Sequence[Lesion]) -> Flags:
-    """Which spheres (n,) are those of a junction, for a lesion begins or ends at it within them."""
+    """Mask (n,) of the spheres of a junction, for a lesion begins or ends at it within them."""
     ends = [
         lesion.line.points[end]
         for lesion in lesions

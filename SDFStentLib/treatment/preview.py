@@ -1,4 +1,4 @@
-"""What a plan's stents do to the vessel, while they are dragged: on a proxy, at any size of mesh.
+"""Preview of a plan's stents in the vessel while they are dragged: on a proxy, at any size of mesh.
 
 >>> preview = Preview(surface, centerline)                          # doctest: +SKIP
 >>> while dragging:
@@ -42,18 +42,18 @@ class PreviewedNumbers(NamedTuple):
     lumen: float
     """Smallest inscribed diameter along it, mm; NaN where the proxy is too coarse."""
     lesion: Lesion | None
-    """The worst that it covers, as it was; None where it covers none, or none is known."""
+    """Worst lesion that it covers, as it was; None where it covers none, or none is known."""
     left: float
-    """The worst left in the vessels in which stents cover a lesion, percent by diameter; NaN where
-    that is not known, negative where it is wider than the reference."""
+    """Worst residual stenosis in the vessels in which stents cover a lesion, percent by diameter;
+    NaN where that is not known, negative where it is wider than the reference."""
     covered: tuple[int, int] | None = None
-    """How many branches beside it stents covered when it was measured, and do now; None where that
-    is not known."""
+    """Numbers of branches beside it that stents covered when it was measured, and do now; None
+    where that is not known."""
 
 
 @dataclass(frozen=True)
 class PreviewedStent(PlacedStent):
-    """One stent of a preview.
+    """A stent of a preview.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ class PreviewState:
         return None
 
     def _left(self, lesion: Lesion) -> float:
-        """What is left of a lesion, wherever in it; far from the stents it is as it was."""
+        """Residual stenosis anywhere in a lesion, percent; far from the stents it is as it was."""
         diameters = lesion.diameters.copy()
         for one in self.stents:
             away = one.axis.line.nearest(lesion.line.points).distances

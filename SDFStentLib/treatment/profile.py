@@ -52,7 +52,7 @@ def named_states(deployment: Deployment, label: str) -> Iterator[DeploymentState
 
 
 class Stage(NamedTuple):
-    """One stent as its turn found the vessel; it is measured when all are in place."""
+    """A stent as its turn found the vessel; it is measured when all are in place."""
 
     placed: PlacedStent
     centerline: Centerline | None
@@ -75,7 +75,7 @@ class Stage(NamedTuple):
 
     @property
     def result(self) -> DeploymentResult:
-        """What came of it, before the stents after it."""
+        """Its deployment, before the stents after it."""
         return self.deployment.result
 
     def radius_at(self, arc_length: Floats) -> Floats:

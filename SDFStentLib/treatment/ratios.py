@@ -1,4 +1,4 @@
-"""How wide a stent and its balloon are against the vessel, and what sources had."""
+"""Ratios of a stent and its balloon to the vessel, and those that sources had."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ NARROW = 0.38
 
 @dataclass(frozen=True)
 class SizeRatios:
-    """How a stent compares with the vessel in which it lies.
+    """Diameters of a stent and its balloon against the vessel in which it lies.
 
     Attributes
     ----------
@@ -84,14 +84,14 @@ class SizeRatios:
 
     @property
     def narrowest_place(self) -> str:
-        """Where the healthy vessel is narrowest, in words."""
+        """Words for the place where the healthy vessel is narrowest."""
         narrow = self.healthy
         if narrow.narrowest == narrow.distal:
             return "at its distal end"
         return "at its proximal end" if narrow.narrowest == narrow.proximal else "that it lies in"
 
     def cautions(self) -> Iterator[Caution]:
-        """Where a ratio is beyond what its source saw."""
+        """Cautions for ratios beyond what their source saw."""
         ratio, healthy = self.stent_to_adjacent, {"healthy_mm": self.adjacent_diameter}
         where = {"where": self.narrowest_place}
         if ratio > WIDE:
@@ -110,7 +110,7 @@ def size_ratios(
     balloon: float = math.nan,
     healthy: HealthyVessel | None = None,
 ) -> SizeRatios:
-    """How the diameters, mm, of a stent's lumen and of its balloon compare with a lesion's.
+    """Ratios of the diameters, mm, of a stent's lumen and of its balloon to a lesion's.
 
     With the healthy vessel where the stent lies, else with that beside the lesion.
     """
@@ -119,7 +119,7 @@ def size_ratios(
 
 
 def stent_ratios(stent: Stent, lesion: Lesion, healthy: HealthyVessel | None = None) -> SizeRatios:
-    """How a stent compares with a lesion that it covers; `healthy` as for `size_ratios`."""
+    """Ratios of a stent to a lesion that it covers; `healthy` as for `size_ratios`."""
     balloon = stent.balloon
     if balloon is None or isinstance(stent.placement, OfStent):
         return size_ratios(lesion, stent.diameter, math.nan, healthy)
@@ -127,7 +127,7 @@ def stent_ratios(stent: Stent, lesion: Lesion, healthy: HealthyVessel | None = N
 
 
 def treated_ratios(one: TreatedStent, lesions: Sequence[TreatedLesion] | None) -> SizeRatios:
-    """How a stent compares with the vessel where it lies, and with the tightest lesion it covers.
+    """Ratios of a stent to the vessel where it lies, and to the tightest lesion it covers.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def ratio_cautions(
     lesions: Sequence[TreatedLesion] | None,
     label: Callable[[int], str] = "".format,
 ) -> Iterator[Caution]:
-    """Where a stent's ratios are beyond what their source saw; `label` names it by its number."""
+    """Cautions for ratios beyond what their source saw; `label` names a stent by its number."""
     for one in stents:
         for caution in treated_ratios(one, lesions).cautions():
             yield replace(caution, stent=one.number).labeled(label(one.number))

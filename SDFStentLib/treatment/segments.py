@@ -32,7 +32,7 @@ _SAME_VESSEL = "give the same vessel after its treatment, in the same unit"
 
 
 class SegmentWishes(NamedTuple):
-    """How a segment is cut."""
+    """Options of cutting a segment."""
 
     close_branches: bool = False
     """Whether side branches are cut off and closed; else they are kept as long as they are."""

@@ -1,4 +1,4 @@
-"""How wide and how long a stent for a lesion is: a proposal by a rule, and how it compares.
+"""Diameter and length of a stent for a lesion: a proposal by a rule, and how it compares.
 
 The lumen is made as wide as the healthy vessel beside the lesion, the smaller one of both sides, so
 that neither is overstretched; the balloon is wider by its recoil. That is 1.08 of the vessel, and
@@ -41,7 +41,7 @@ WHOLE = 1e-9
 
 @dataclass(frozen=True)
 class SizingWishes:
-    """What a stent that is proposed shall be.
+    """Options of a stent that is proposed.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class Suggestion:
         return replace(self, ratios=replace(self.ratios, healthy=healthy))
 
     def cautions(self) -> Iterator[Caution]:
-        """What there is to say of its sizes."""
+        """Cautions on its sizes."""
         yield from self.ratios.cautions()
         lumen, reference = self.stent.diameter, self.lesion.reference_diameter
         narrowest = beside_lesion(self.lesion).narrowest

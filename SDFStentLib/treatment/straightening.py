@@ -1,4 +1,4 @@
-"""How far the vessel lets a stent's axis be smoothed and straightened.
+"""Limits that the vessel sets to smoothing and straightening a stent's axis.
 
 An axis that is moved leaves the middle of a bent lumen. Nearer to the wall than the facets are long
 it pushes their corners apart to both sides, and outside of the lumen it pushes the wall inward: the
@@ -70,7 +70,7 @@ NOTICEABLE = 1e-3
 
 
 class AxisChange(NamedTuple):
-    """What is done to the axis of a stent."""
+    """Smoothing and straightening of a stent's axis."""
 
     straightening_fraction: float = 0.0
     """0 as it is, 1 straight: the share by which each piece turns to the direction of the chord."""
@@ -79,7 +79,7 @@ class AxisChange(NamedTuple):
 
     @classmethod
     def of(cls, straightening_fraction: float, settings: DeploymentSettings) -> AxisChange:
-        """What a plan and its settings ask for."""
+        """Change that a plan and its settings ask for."""
         return cls(straightening_fraction, settings.axis_smoothing)
 
 
@@ -113,15 +113,16 @@ def axis_in_vessel(
 
 
 class Way(Protocol):
-    """How the points of an axis go somewhere; `TurnedWay` is one."""
+    """Motion of the points of an axis; `TurnedWay` is one."""
 
     @property
     def line(self) -> Line:
-        """Where they are."""
+        """The line before it moves."""
 
     @property
     def longest(self) -> Floats:
-        """(n,) mm that each goes at most; at a fraction of the way no more than that of it."""
+        """(n,) longest distance each point goes, mm; at a fraction of the way no more than that of
+        it."""
 
     def at(self, fraction: float) -> Line:
         """The axis at a fraction of the way, 0 to 1."""

@@ -1,4 +1,4 @@
-"""What a stent does to its surroundings: branches, neighbors, contact with the wall."""
+"""Surroundings of a stent: branches, neighbors, contact with the wall."""
 
 from __future__ import annotations
 
@@ -50,17 +50,17 @@ class Survey(NamedTuple):
     axis: ExtendedAxis
     """Its axis in the vessel as it finds that."""
     branches: tuple[Ostium, ...]
-    """Proximal to distal."""
+    """Ostia, proximal to distal."""
     ways: tuple[NeighborWay, ...]
-    """Beyond both ends, then into branches."""
+    """Ways beyond both ends, then into branches."""
     stations: AxisStations
-    """Along the stent and beyond its ends; measured"""
+    """Stations along the stent and beyond its ends; measured"""
     measured: Stations
     """before any stent,"""
     before: DiameterProfile
-    """with what that says of the diameters there."""
+    """with the diameters there."""
     wall: OpenWall
-    """What spheres see of it."""
+    """Wall that the spheres meet, open at its ends."""
 
 
 class TreeNames(NamedTuple):
@@ -72,7 +72,7 @@ class TreeNames(NamedTuple):
     faces: NamedFaces | None
     """Faces by which branches are named."""
     given: Sequence[str | None]
-    """What the user calls them, by branch of the centerline; it comes first."""
+    """Names by the user, by branch of the centerline; they come first."""
 
     def is_same(self, other: TreeNames) -> bool:
         """Whether these are the very same things."""
@@ -110,7 +110,7 @@ def surveyed_once(native: Surface, axis: Line, names: TreeNames) -> Survey:
 
 
 def surveyed(native: Surface, found: Surface, axis: Line, names: TreeNames) -> Survey:
-    """What is known of a stent's surroundings before it is deployed.
+    """Survey of a stent's surroundings before it is deployed.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def surveyed(native: Surface, found: Surface, axis: Line, names: TreeNames) -> S
 
 
 def _given_name(way: Line | None, tree: Centerline, given: Sequence[str | None]) -> str | None:
-    """What the user calls the vessel that a way leads into."""
+    """Name by the user of the vessel that a way leads into."""
     return None if way is None else given[branch_of(tree, tree.project(way.points[0]))]
 
 

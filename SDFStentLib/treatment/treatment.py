@@ -175,7 +175,7 @@ class Treatment:
         return self._result
 
     def label(self, number: int) -> str:
-        """How a message names a stent; empty when there is only one, without a name."""
+        """Name of a stent in messages; empty when there is only one, without a name."""
         return self._placer.label(number)
 
     @property
@@ -256,7 +256,7 @@ class Treatment:
 
     @cached_property
     def survey(self) -> Survey:
-        """What is measured before the first stent; `result` needs it.
+        """Surroundings of the first stent before treatment; `result` needs them.
 
         No state takes part in it: who has a thread to spare may ask for it there, once, while this
         one iterates.
@@ -314,7 +314,7 @@ class Treatment:
             yield cap.caution()
 
     def _certified_with(self, certificate: Certificate | None) -> Iterator[Caution]:
-        """What a certificate allows, but says."""
+        """Cautions of a certificate that passed."""
         if certificate is None:
             return
         for stage, check in zip(self._stages, certificate.lumen, strict=False):

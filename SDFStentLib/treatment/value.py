@@ -1,4 +1,4 @@
-"""What a treatment gives: a state per step, and the result."""
+"""Values of a treatment: a state per step, and the result."""
 
 from __future__ import annotations
 
@@ -57,13 +57,13 @@ class TreatmentState:
         return self.placed.number
 
     def points(self) -> Points:
-        """All points of the surface in this state, mm."""
+        """Points (n, 3) of the surface in this state, mm."""
         return self.deployment.applied_to(self.before.points)
 
 
 @dataclass(frozen=True)
 class PlacedStent:
-    """One stent of a plan where it is in the vessel.
+    """A stent of a plan in its place in the vessel.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class PlacedStent:
 
 @dataclass(frozen=True)
 class TreatedStent(PlacedStent):
-    """One stent after the treatment.
+    """A stent after the treatment.
 
     Attributes
     ----------
@@ -152,13 +152,13 @@ class TreatedStent(PlacedStent):
 
     @property
     def moved_points(self) -> int:
-        """How many points of the surface it moved."""
+        """Number of points of the surface that it moved."""
         return len(self.result.state.indices)
 
 
 @dataclass(frozen=True)
 class TreatmentResult:
-    """What came of a treatment.
+    """Result of a treatment.
 
     Attributes
     ----------
@@ -192,7 +192,7 @@ class TreatmentResult:
 
     @property
     def points(self) -> Points:
-        """All points (n, 3) of the surface after all stents, mm."""
+        """The points (n, 3) of the surface after all stents, mm."""
         return self.surface.points
 
     @property
@@ -272,7 +272,7 @@ def resolved(stent: Stent, placed: Mapping[int, PlacedStent]) -> tuple[Stent, St
 
 
 def label_of(stents: Sequence[Stent], number: int, rows: Sequence[int] = ()) -> str:
-    """How a message names a stent; empty when there is only one, without a name of its own.
+    """Name of a stent in messages; empty when there is only one, without a name of its own.
 
     Where `rows` tell by what each is counted, by that.
     """

@@ -124,7 +124,7 @@ class Vessel:
 
     @cached_property
     def lesion_cautions(self) -> tuple[Caution, ...]:
-        """What to know before one relies on its lesions: of its lines, and ends without one."""
+        """Cautions before one relies on its lesions: on its lines, and ends without one."""
         if self.centerline is None:
             return ()
         cautions = []
@@ -147,7 +147,7 @@ class Vessel:
 
     @property
     def ends(self) -> Ends:
-        """What is known of its ends, for their flow."""
+        """Names of its ends, and which of them lines begin at, for their flow."""
         return Ends(self.branch_names, self.given_names, self.begun)
 
     @cached_property
@@ -177,7 +177,7 @@ class Vessel:
 
     @property
     def landmarks(self) -> Landmarks:
-        """What places are found by; `InputError` without a centerline."""
+        """Landmarks by which places are found; `InputError` without a centerline."""
         if self.centerline is None:
             raise InputError(
                 "stent placement: expected a centerline for a place at a lesion or on a branch, "
@@ -237,7 +237,7 @@ class Vessel:
         return None
 
     def place_cautions(self, stent: Stent) -> tuple[Caution, ...]:
-        """What there is to say of the points by which a stent is placed.
+        """Cautions on the points by which a stent is placed.
 
         `InputError` where it cannot lie there.
         """

@@ -180,7 +180,7 @@ def size_cautions(
     lesions: Sequence[TreatedLesion] | None,
     label: Callable[[int], str] = "".format,
 ) -> Iterator[Caution]:
-    """Where stents are too short for their lesions, or as wide as no source had them.
+    """Cautions for stents too short for their lesions, or as wide as no source had them.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def size_cautions(
 def _uncovered(
     stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion], label: Callable[[int], str]
 ) -> Iterator[Caution]:
-    """Where the tightest lesion that a stent covers goes on beyond all stents in it."""
+    """Cautions where the tightest lesion that a stent covers goes on beyond all stents in it."""
     told: set[int] = set()
     for one in stents:
         own = [lesion for lesion in lesions if one.number in lesion.stents]
@@ -220,7 +220,7 @@ def _uncovered(
 
 
 def _packed(one: TreatedStent) -> str:
-    """How long it was before it shortened, in words; empty where it did not."""
+    """Length before it shortened, in words; empty where it did not."""
     if one.axis.nominal_length <= one.axis.deployed_length:
         return ""
     return f", {one.axis.nominal_length:.3g} mm as packed"

@@ -1,4 +1,4 @@
-"""What is on a tree of vessels: where one goes on and another begins, and where it is narrow."""
+"""Features of a vessel tree: vessels, branches, ends, ostia, lesions, and contact with a stent."""
 
 from .apposition import Apposition as Apposition
 from .apposition import apposition as apposition

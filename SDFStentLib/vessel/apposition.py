@@ -1,4 +1,4 @@
-"""Where an expanded stent touches the wall and where it hangs free."""
+"""Apposition of an expanded stent: where it touches the wall and where it hangs free."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Apposition:
     free_share: Floats
     """(n,) share of the circumference without contact, 0 to 1."""
     stretches: tuple[FreeStretch, ...]
-    """Where the share is above `NOTICED`, proximal to distal."""
+    """Stretches where the share is above `NOTICED`, proximal to distal."""
     length: float
     """The length of the stent, mm."""
 
@@ -75,7 +75,7 @@ class Apposition:
         return bool((self.free_share >= 1).all())
 
     def sentence(self) -> str:
-        """Where it hangs free, for the user; empty when it touches all along."""
+        """Free stretches in a sentence for the user; empty when the stent touches all along."""
         if not self.stretches:
             return ""
         if self.is_loose:

@@ -62,7 +62,7 @@ class TreeLumen:
 
     @property
     def inside(self) -> list[Flags]:
-        """Which stations (n,) of every branch are in the lumen."""
+        """Masks (n,) of each branch's stations that are in the lumen."""
         return np.split(self._is_in, self._ends[:-1])
 
     @cached_property
@@ -76,7 +76,7 @@ class TreeLumen:
         return self._told(self.spheres.exact())
 
     def stations_of(self, run: VesselRun) -> Indices:
-        """Which of the spheres (n,) are those at the stations of a vessel."""
+        """Indices (n,) of the spheres at the stations of a vessel."""
         found = np.empty(len(run.along), dtype=np.int64)
         for branch in np.unique(run.branch).tolist():
             own, (lumen, first) = run.branch == branch, self._of_branch[branch]
@@ -100,7 +100,8 @@ class TreeLumen:
 
 
 def lumen_left(surface: Surface, centerline: Centerline) -> list[Caution]:
-    """Where lines leave the lumen, and go on in it; at the ends of a vessel they may stick out."""
+    """Cautions where lines leave the lumen and return; at the ends of a vessel they may stick
+    out."""
     tree, found = tree_lumen(surface, centerline), []
     for lumen, is_in in zip(centerline.lumens, tree.inside, strict=True):
         for first, last in outside_runs(centerline, lumen, is_in):
@@ -127,7 +128,7 @@ def outside_runs(centerline: Centerline, lumen: BranchLumen, is_in: Flags) -> li
 
 
 def _on_the_way(along: Floats, diameter: Floats, run: tuple[int, int]) -> list[int]:
-    """Which stations are on the way to where a line is outside, or back: not in the middle yet.
+    """Stations on the way to where a line is outside, or back: not in the middle yet.
 
     Up to one, on both sides, that is as wide as all within its own width farther on.
     """
@@ -155,7 +156,7 @@ def tree_lumen(surface: Surface, centerline: Centerline) -> TreeLumen:
 
 
 def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
-    """How far (n,) the stations of every branch are from where the vessel ends, mm.
+    """Distances (n,) of every branch's stations from the ends of the vessel, mm.
 
     The root is an end for all that comes from it, also where lines part right behind it.
     """

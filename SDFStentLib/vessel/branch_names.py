@@ -1,4 +1,4 @@
-"""What the branches of a centerline are called: after the ends of the model that they lead to."""
+"""Names of the branches of a centerline, after the ends of the model that they lead to."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def branch_names(
     faces: NamedFaces | None = None,
     given: Sequence[str | None] = (),
 ) -> tuple[str, ...]:
-    """One name for every branch, as `find_ostia` calls those whose ends the faces tell.
+    """A name for every branch, as `find_ostia` calls those whose ends the faces tell.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def branch_names(
 
 
 def size_words(caliber: float, start: float, outlets: int) -> str:
-    """Which vessel that no face names is meant: by caliber and begin, mm, and what it leads to."""
+    """Words for a vessel that no face names: caliber and begin, mm, and the ends it leads to."""
     wide = f"of {caliber:.1f} mm " if caliber > 0 else ""
     return f"{wide}from {start:.0f} mm on ({outlets} outlet{'s' if outlets > 1 else ''})"
 

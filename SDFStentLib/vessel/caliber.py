@@ -35,7 +35,7 @@ stations may lie a third of one apart."""
 
 
 class Caliber(NamedTuple):
-    """How wide a vessel is at n close places, its known stations among them. All mm."""
+    """Diameters of a vessel at n close places, its known stations among them. All mm."""
 
     along: Floats
     """(n,) arc lengths from the root,"""
@@ -108,11 +108,11 @@ class VesselWay(NamedTuple):
     own: tuple[float, float]
     """Arc lengths of the first and last known station of the vessel itself, from the root, mm."""
     rank: int
-    """How many vessels that do not go on foremost in the next one lie between it and the root."""
+    """Number of vessels between it and the root that do not go on foremost in the next one."""
     parent: int
     """Index of the vessel from which the vessel itself comes; -1 for one that begins at a root."""
     begins: tuple[tuple[float, int], ...]
-    """Where each vessel of the way begins, arc length from the root, mm, and which one that is."""
+    """Arc length from the root at which each vessel of the way begins, mm, and its index."""
 
     def vessel_at(self, along: float) -> int:
         """The vessel of the tree at an arc length from the root, mm."""

@@ -111,7 +111,7 @@ class FoundNarrowing:
 
     @property
     def healthy(self) -> float:
-        """How wide its vessel should be where it is narrowest, mm."""
+        """Healthy diameter of its vessel where it is narrowest, mm."""
         return float(self.narrow.reference.at(np.array([self.narrow.narrowest]))[0])
 
     def is_tighter_than(self, other: FoundNarrowing) -> bool:

@@ -1,4 +1,4 @@
-"""What the user calls the vessels of a tree: from places and faces to its branches."""
+"""Names that the user gives the vessels of a tree: from places and faces to its branches."""
 
 from __future__ import annotations
 

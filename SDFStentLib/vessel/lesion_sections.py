@@ -81,7 +81,7 @@ def smallest_section(surface: Surface, line: LesionLine, minimum: float) -> Sect
 
 
 def cut_at(line: Line) -> Floats:
-    """Where a lesion is cut, arc lengths (k,) from its start."""
+    """Arc lengths (k,) from its start at which a lesion is cut."""
     return np.linspace(0.0, line.arc_lengths[-1], max(SECTIONS, 2 * len(line)))
 
 

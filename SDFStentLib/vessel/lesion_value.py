@@ -1,4 +1,4 @@
-"""What is told of a lesion, as a value."""
+"""A lesion of a vessel and the healthy places beside it, as values."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ class Lesion:
     point: Place
     """Center of the inscribed sphere at the narrowest place, mm."""
     minimum_diameter: float
-    """Inscribed."""
+    """Inscribed diameter there."""
     reference_diameter: float
     """The reference diameter at the narrowest place."""
     percent_diameter: float
     proximal: HealthyPlace | None
     distal: HealthyPlace | None
-    """What it is measured against; None for a side that tells nothing, such as a junction."""
+    """Healthy places it is measured against; None for a side without one, such as a junction."""
     reference: str
     """The same in words, to follow "against"."""
     line: Line
@@ -74,7 +74,7 @@ class Lesion:
     vessel: int = 0
     """Index of its vessel among those of the tree, from the root on."""
     generation: int = 0
-    """How many vessels lie between that and the root."""
+    """Number of vessels between that and the root."""
 
     def __post_init__(self) -> None:
         for name in ("healthy", "diameters"):

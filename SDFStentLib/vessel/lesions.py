@@ -52,7 +52,7 @@ def find_lesions(
     faces: NamedFaces | None = None,
     given: Sequence[str | None] = (),
 ) -> tuple[Lesion, ...]:
-    """All lesions of a vessel tree: of the main vessels first, then the tightest first.
+    """Lesions of a vessel tree: of the main vessels first, then the tightest first.
 
     Those in vessels below `SMALL_VESSEL` come last.
 
@@ -114,7 +114,7 @@ def _each_once(lesions: Sequence[Lesion]) -> list[Lesion]:
 
 
 def vessel_name(run: VesselRun, is_main: bool) -> str:
-    """What a vessel is called that the user has not named: by size, place and what it leads to."""
+    """Name of a vessel that the user has not named: size, place and the ends it leads to."""
     ends = f"{run.outlets} outlets" if run.outlets > 1 else "1 outlet"
     if run.generation == 0:
         return f"main vessel ({ends})"

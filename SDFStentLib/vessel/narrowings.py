@@ -70,12 +70,11 @@ class Reference(NamedTuple):
     proximal: Plateau | None
     distal: Plateau | None
     widest: float = np.nan
-    """How wide the vessel should be, mm, where no part of it is known as healthy."""
+    """Healthy diameter of the vessel, mm, where no part of it is known as healthy."""
     proximal_beyond: float = np.nan
-    """How wide the vessel proximal of a junction goes on beyond it, mm; NaN where none is between.
-    """
+    """Diameter beyond a junction of the vessel proximal of it, mm; NaN where none is between."""
     junction: float = np.nan
-    """Where that begins, from the root, mm."""
+    """Arc length from the root where that begins, mm."""
 
     def at(self, along: Floats) -> Floats:
         """Healthy diameters (n,) at some arc lengths from the root, mm."""
@@ -194,7 +193,8 @@ def _reference(
 
 
 def _again(caliber: Caliber, at: int, begins: float, eased: float) -> tuple[float, float]:
-    """How wide a vessel is again on both sides of a minimum, mm, and the least persistence."""
+    """Diameter of a vessel wider again on both sides of a minimum, mm, and the least
+    persistence."""
     sides = [_widest(caliber, at, way) for way in (-1, 1)]
     own = caliber._replace(kept=np.where(caliber.along >= begins, caliber.kept, 0.0))
     narrow = float(caliber.diameter[at])
@@ -207,7 +207,7 @@ def _again(caliber: Caliber, at: int, begins: float, eased: float) -> tuple[floa
 
 
 def _alone(run: VesselRun, narrow: float, eased: float) -> Reference | None:
-    """What the branches of a vessel between two junctions ask for, where it is much narrower."""
+    """Reference by the branches of a vessel between two junctions, where it is much narrower."""
     calibers = np.array([one.caliber for one in run.division])
     # A branch of which nothing is known leaves open what the others ask for.
     is_between = run.parent >= 0 and len(calibers) > 0 and bool(calibers.all())
@@ -217,7 +217,7 @@ def _alone(run: VesselRun, narrow: float, eased: float) -> Reference | None:
 
 
 def _beyond(run: VesselRun, before: Plateau | None, after: Plateau | None, begins: float) -> float:
-    """How wide healthy vessel before a junction goes on beyond it, mm; NaN where none is between.
+    """Diameter of healthy vessel before a junction as it goes on beyond it, mm; NaN without one.
 
     By the rule of flow, between what is wider than it and what is narrower than the vessel beyond.
     """
@@ -237,7 +237,7 @@ def _side(caliber: Caliber, at: int, way: int) -> tuple[Floats, Floats, Floats]:
 
 
 def _widest(caliber: Caliber, at: int, way: int, reach: float = np.inf) -> float:
-    """How wide a vessel is for some length on one side of a place, within some of its diameters.
+    """Largest width of a vessel on one side of a place, mm, kept for some of its diameters.
 
     Up to where it is narrower than there by more than an edge is: what lies beyond is of that.
     """

@@ -1,4 +1,4 @@
-"""How wide the vessel beyond a stent and its branches are, before and after it."""
+"""Diameters of the vessel beyond a stent and of its branches, before and after it."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class NeighborLumen:
         return self.name not in (PROXIMAL, DISTAL)
 
     def caution(self) -> Caution:
-        """What to know of a lumen that is narrowed."""
+        """Caution for a narrowed lumen."""
         return Caution(
             "neighbor-narrowed",
             {
@@ -99,7 +99,7 @@ class VesselStates(NamedTuple):
 
 
 class NeighborStations:
-    """Where the neighbors of a stent lost most, as rays see it: there they are to be measured.
+    """Places to measure the neighbors of a stent: where they lost most, as rays see it.
 
     Parameters
     ----------
@@ -146,11 +146,11 @@ class _Part(NamedTuple):
 
     way: NeighborWay
     start: float
-    """Where on the way it begins, mm."""
+    """Distance along the way at which it begins, mm."""
     stations: Line
     """Stations on the way, equally spaced."""
     reach: float
-    """How far the wall round it is looked for, mm."""
+    """Distance within which the wall round it is looked for, mm."""
 
 
 _walls: WeakKeyDictionary[Surface, Any] = WeakKeyDictionary()

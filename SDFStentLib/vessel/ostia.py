@@ -41,7 +41,7 @@ NEARLY = 0.01
 PARENT = "vessel that this one comes from"
 
 POUCH = "pouch (aneurysm or stump)"
-"""What is short and closed: a flat sac and what is left of a branch look alike."""
+"""Name of what is short and closed: a flat sac and what is left of a branch look alike."""
 
 SAC = "aneurysm"
 """A pouch `ANEURYSM` times as wide as its neck."""
@@ -63,9 +63,9 @@ class Ostium:
     center: Floats
     """(3,) the middle of the opening."""
     start: float
-    """Where along the stent the opening begins,"""
+    """Start of the opening along the stent,"""
     end: float
-    """and where it ends."""
+    """and its end."""
     area: float
     """The area of the opening, on the expected wall, mm^2."""
     covered_share: float
@@ -81,7 +81,7 @@ class Ostium:
     edges: Floats = ()  # type: ignore[assignment]
     """(r + 1,) these positions along the stent."""
     pouch: str = ""
-    """What it leads into where that is no vessel: `POUCH` or `SAC`."""
+    """`POUCH` or `SAC` for one that leads into no vessel."""
 
     def __post_init__(self) -> None:
         for name in ("center", "areas", "edges"):
@@ -101,7 +101,7 @@ class Ostium:
 
     @property
     def coverage(self) -> str:
-        """What the stent does to it, in two or three words."""
+        """Coverage by the stent, in two or three words."""
         if self.is_free:
             return FREE
         share = "fully" if self.is_fully_covered else f"{100 * self.covered_share:.0f} %"
@@ -130,7 +130,7 @@ class Ostium:
         return bool(2 * common > max(apart.shape))
 
     def sentence(self) -> str:
-        """What the stent does to it, for the user."""
+        """Coverage by the stent and place along it, as a sentence for the user."""
         return (
             f"{self.name[:1].upper()}{self.name[1:]}: {self.coverage}; its ostium lies from "
             f"{self.start:.1f} to {self.end:.1f} mm of the proximal end of the stent."
@@ -211,7 +211,7 @@ def _nearest_cap(surface: Surface, place: Floats) -> Indices:
 
 
 def _are_at(inlet: Points, ostium: Ostium) -> Flags:
-    """Which outlets (k,) of an ostium are the inlet (1, 3); none of it where that is not known."""
+    """Mask (k,) of an ostium's outlets at the inlet (1, 3); none where that is not known."""
     if not len(inlet):
         return np.zeros(len(ostium.outlets), dtype=bool)
     away = np.linalg.norm(ostium.outlets - inlet, axis=1)
@@ -259,7 +259,7 @@ def _ostium(tube: Tube, places: Floats, axis: ExtendedAxis, opening: Opening) ->
 def _pouch(
     surface: Surface, tube: Tube, ostium: Ostium, opening: Opening, tree: Centerline | None
 ) -> str:
-    """What kind of pouch an opening of a tube that leads to no cap is; "" for a vessel."""
+    """Kind of pouch at an opening of a tube that leads to no cap; "" for a vessel."""
     centers = tube.wall.centers
     outward = ostium.center - centers[norm(centers - ostium.center).argmin()]
     neck = _diameter(ostium)
@@ -279,7 +279,7 @@ def _inner(region: Mask) -> Mask:
 def _name(
     ostium: Ostium, stent_length: float, caliber: float, faces: NamedFaces | None, inlet: Points
 ) -> str:
-    """What an ostium is called; one wider than the stented vessel is that of no side branch."""
+    """Name of an ostium; one wider than the stented vessel is that of no side branch."""
     diameter = _diameter(ostium)
     if _are_at(inlet, ostium).any():
         return PARENT

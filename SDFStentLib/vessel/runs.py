@@ -61,17 +61,17 @@ class VesselRun(NamedTuple):
     """(n,) arc length from the start of that branch, mm."""
     side_branches: tuple[SideBranch, ...]
     division: tuple[SideBranch, ...]
-    """Into what it divides where it ends; empty at an outlet."""
+    """Branches into which it divides at its end; empty at an outlet."""
     parent: int
     """Index of the vessel from which it comes; -1 for one that begins at a root."""
     generation: int
-    """How many vessels lie between it and the root."""
+    """Number of vessels between it and the root."""
     caliber: float
     """The caliber of the widest healthy part of what it leads to, mm; 0 where nothing is known."""
     outlets: int
     """The number of ends of the centerline to which it leads."""
     beside: tuple[float, ...] = ()
-    """Calibers of what else leaves its parent where it begins, or goes on there, mm."""
+    """Calibers of the vessels that leave its parent where it begins, or go on there, mm."""
 
     @property
     def is_onward(self) -> bool:
@@ -179,7 +179,7 @@ def _run(tree: LumenTree, first: int, parent: int, generation: int) -> tuple[Ves
 
 
 def _siblings(tree: LumenTree, number: int) -> list[int]:
-    """What else a branch of the tree divides into, beside one of these."""
+    """Other branches of the tree that leave where this one does."""
     above = tree.lumens[number].above
     return [] if above < 0 else [one for one in tree.children[above] if one != number]
 

@@ -1,4 +1,4 @@
-"""Where a vessel ends: the open ends of its wall and the flat caps of its in- and outlets."""
+"""Ends of a vessel: the open ends of its wall and the flat caps of its in- and outlets."""
 
 from __future__ import annotations
 
@@ -105,15 +105,15 @@ class KnownEnds(NamedTuple):
     inlet: int | None
     """Its point at the proximal end; None where that may only be a round one."""
     outlets: tuple[int, ...]
-    """Its points at the others."""
+    """Indices of the points at the others."""
     end_count: int
-    """How many ends are open or flat: their middles are its last points."""
+    """Number of open or flat ends: their middles are its last points."""
 
 
 def line_seeds(
     surface: Surface, inlet: Points | None = None, outlets: Sequence[Points] = ()
 ) -> LineSeeds:
-    """Where the centerlines of a vessel begin and end; parameters as for `known_ends`.
+    """Seeds of a vessel's centerlines; parameters as for `known_ends`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How a sphere climbs to the middle of a lumen.
+"""Climb of a sphere to the middle of a lumen.
 
 The center is free in the plane through the axis point normal to the axis. It climbs: at a center c
 every nearby triangle i has a distance d_i and a unit direction g_i away from it, and because the
@@ -56,7 +56,7 @@ class InscribedSpheres(NamedTuple):
 
 
 class Until(NamedTuple):
-    """Where the search for a sphere ends."""
+    """Criteria that end the search for a sphere."""
 
     tolerance: float = 1e-6
     """A center stays when the linear model promises less gain than this, mm."""

@@ -49,7 +49,7 @@ class FollowedWall(NamedTuple):
     def spheres_after(
         self, states: tuple[Points, Points], shifts: Points, axes: Floats
     ) -> tuple[Indices, InscribedSpheres]:
-        """Which stations (t,) moved wall touches, and the spheres (t,) there among the points.
+        """Stations (t,) that moved wall touches, and the spheres (t,) there among the points.
 
         Parameters
         ----------

@@ -12,7 +12,7 @@ _AMPLY = 1.1
 """Factor on what the box is to grow by, against rounding."""
 
 _ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
-"""What makes one number of the three of a place; any large odd ones would do."""
+"""Multipliers that make one number of the three of a place; any large odd ones would do."""
 
 _ROUND = 2.5
 """Margin of the box that holds the wall round some centers, in distances to some of it."""
@@ -136,7 +136,7 @@ class LocalSurface:
         return bool(np.all(self._low <= self.lowest) and np.all(self._high >= self.highest))
 
     def _missing(self, centers: Points, radii: Floats) -> float:
-        """How far all within the radii of the centers reaches out of the box, mm."""
+        """Length by which balls of these radii at the centers reach out of the box, mm."""
         reach = radii[:, None]
         beyond = np.maximum(self._low - (centers - reach), centers + reach - self._high)
         return max(float(beyond.max(initial=0.0)), 0.0)

@@ -77,7 +77,7 @@ class Neighborhood:
         self._hold(pairs, len(active))
 
     def _pairs_of(self, count: int, some: Indices) -> NearPairs:
-        """What is known of some of so many centers."""
+        """The pairs of some of so many centers."""
         is_one = np.zeros(count, dtype=bool)
         is_one[some] = True
         query, triangle, bound = self._pairs

@@ -24,7 +24,7 @@ _CLEARLY = 1.01
 
 
 class Room(NamedTuple):
-    """What the spheres on one side of every station tell of its plane."""
+    """Bounds on the lumen in each station's plane, from the spheres on one side of it."""
 
     places: Points
     """(n, 3) feet of their centers,"""
@@ -46,7 +46,7 @@ def rooms(
 
 
 def are_stuck(radii: Floats, before: Room, behind: Room) -> Flags:
-    """Which spheres (n,) are clearly smaller than both sides tell."""
+    """Mask (n,) of the spheres that are clearly smaller than both sides imply."""
     meet = norm(before.places - behind.places) < before.disks + behind.disks
     return meet & (np.minimum(before.radii, behind.radii) > _CLEARLY * radii)
 
