@@ -58,7 +58,7 @@ def opacity_of(chart: Any) -> float:
 def _line(
     node: Any, along: Any, columns: Any, across: _PixelScale, up: _PixelScale
 ) -> dict[str, Any]:
-    """One series as a line, interrupted where its values are not known."""
+    """A series as a line, interrupted where its values are not known."""
     values = columns[node.GetYColumnName()]
     path, isOpen = [], False
     for x, y in zip(along, values, strict=True):

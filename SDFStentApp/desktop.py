@@ -1,4 +1,4 @@
-"""What the panel needs of an event loop and of a desktop, as the page has them."""
+"""Event loop and desktop of the panel, as the page has them."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def _zipped(plan: Plan) -> bytes:
 
 
 def zipped_folder(folder: Path) -> bytes | None:
-    """All files of a folder as a zip file; None if there are none."""
+    """The files of a folder as a zip file; None if there are none."""
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:

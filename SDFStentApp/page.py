@@ -1,4 +1,4 @@
-"""One page: the module's panel with a scene of its own, shown by trame."""
+"""A page: the module's panel with a scene of its own, shown by trame."""
 
 from __future__ import annotations
 
@@ -574,7 +574,7 @@ class Page:
         task.add_done_callback(self._tasks.discard)
 
     def fetch(self) -> list[dict[str, Any]]:
-        """All files that were made and not fetched yet."""
+        """Files that were made and not fetched yet."""
         kept, self._kept = self._kept, []
         return [file._asdict() for file in kept]
 

@@ -25,7 +25,7 @@ class WithinRange:
 
 
 class TypedField:
-    """One typed field: it checks a value, writes it to a node and reads it back."""
+    """A typed field: it checks a value, writes it to a node and reads it back."""
 
     def __init__(self, owner, name, hint):
         self.name = name

@@ -1,4 +1,4 @@
-"""What a page does with a segmentation: it lets a process of its own make the vessel."""
+"""Segmentations on a page: a process of its own makes the vessel."""
 
 from __future__ import annotations
 

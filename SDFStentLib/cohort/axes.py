@@ -61,7 +61,7 @@ Value = float | int | str | None | Mapping[str, Any]
 
 @dataclass(frozen=True)
 class SweepAxis:
-    """One parameter and its values.
+    """A parameter and its values.
 
     Attributes
     ----------

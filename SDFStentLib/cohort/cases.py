@@ -120,7 +120,7 @@ class SweepCase(NamedTuple):
 
 
 class Cases:
-    """All cases of a sweep in order, made when asked for; every patient has the same samples."""
+    """The cases of a sweep in order, made when asked for; every patient has the same samples."""
 
     def __init__(self, sweep: Sweep) -> None:
         self._samples = Samples(sweep.axes, sweep.sampling)

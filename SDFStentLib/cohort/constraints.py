@@ -1,4 +1,4 @@
-"""What the cases of a sweep have to keep to, and those that do not."""
+"""Constraints on the cases of a sweep, and the cases that are left out by them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Excluded(Exception):
 
 @dataclass(frozen=True)
 class Constraints:
-    """What a case has to keep to, or is left out.
+    """Constraints that a case keeps to, or is left out.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Constraints:
 
 
 class Where(NamedTuple):
-    """Where the stent of a case is put."""
+    """Place of a case's stent in its vessel."""
 
     plan: Plan
     """The plan, for its frame, and how axes are changed."""

@@ -56,7 +56,7 @@ def decoded(data: bytes) -> MovedPoints:
 
 
 def points_of(surface: SurfaceFile, moved: MovedPoints) -> Points:
-    """All points (n, 3) of the surface after treatment, mm."""
+    """The points (n, 3) of the surface after treatment, mm."""
     points = surface.points.copy()
     points[moved.indices] = moved.coordinates
     return points

@@ -168,7 +168,7 @@ class Cohort:
         return self._surfaces[name]
 
     def points(self, case: str) -> Points:
-        """All points (n, 3) of a case after treatment, mm."""
+        """The points (n, 3) of a case after treatment, mm."""
         surface = self.surface(self._patient_of(case))
         return points_of(surface, self._moved(case, surface))
 

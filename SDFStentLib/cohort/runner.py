@@ -109,7 +109,7 @@ def _prepare(store: Store, sweep: Sweep, cases: list[SweepCase]) -> None:
 
 
 class _Run:
-    """One run of a sweep, with its counts."""
+    """A run of a sweep, with its counts."""
 
     def __init__(
         self, store: Store, place: Workplace, progress: Progress | None, tally: Tally

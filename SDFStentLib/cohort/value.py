@@ -30,7 +30,7 @@ MOST_SAMPLES = 10_000_000
 
 @dataclass(frozen=True)
 class Sampling:
-    """How points are drawn: the method, their number for each patient, and the seed."""
+    """Sampling of points: the method, their number for each patient, and the seed."""
 
     method: str = "grid"
     count: int = 0

@@ -1,4 +1,4 @@
-"""How a worker process begins, how long it has been at a case, and how it ends in any event."""
+"""Life of a worker process: its begin, its time at a case, and its end in any event."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One case in a worker: read the patient unless that was the last one, deploy, measure, write."""
+"""A case in a worker: read the patient unless that was the last one, deploy, measure, write."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What flows through a tree of vessels, and what pressure it costs, before and after."""
+"""Pressures and flows in a tree of vessels, before and after treatment."""
 
 from .answer import FlowAnswer as FlowAnswer
 from .answer import FlowModel as FlowModel

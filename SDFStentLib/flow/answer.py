@@ -309,7 +309,7 @@ class FlowModel:
         return solved
 
     def _moment(self, row: Floats) -> Moment:
-        """One moment, made from its values with their bands (q, 3)."""
+        """The moment of a row of values with their bands (q, 3)."""
         bands = [Band(*one) for one in row.tolist()]
         sides, count = bands[1:4], len(self._inlets.names)
         if self._sides is not None and not self._sides.leave_out:

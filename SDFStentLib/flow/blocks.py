@@ -1,4 +1,4 @@
-"""What a stretch of vessel costs: friction, inertia, turns, and the jet behind a narrowing.
+"""Losses in a stretch of vessel: friction, inertia, turns, and the jet behind a narrowing.
 
 Formulas and their sources: docs/flow.md.
 """
@@ -43,9 +43,10 @@ SETTLES = 26.4
 of the Bessel function J2. So does blood that goes into a branch, along the wall there."""
 
 STANDS = math.sqrt(8) / 3
-"""What parts from the wall goes on as a parabola of area a among blood that stands. By the balances
-of momentum and energy in a vessel of area A it widens as (2 / a - 4 / (3 A)) da = 8 pi nu / Q dx.
-Its speed over the flow is sqrt(2) / a, and with that 2 a / (3 A) is STANDS / (A speed)."""
+"""Constant of a jet: parted from the wall it goes on as a parabola of area a among blood that
+stands. By the balances of momentum and energy in a vessel of area A it widens as (2 / a - 4 / (3
+A)) da = 8 pi nu / Q dx. Its speed over the flow is sqrt(2) / a; with that 2 a / (3 A) is STANDS /
+(A speed)."""
 
 SETTLED = math.sqrt(2) / STANDS
 """Times `STANDS` over the area, the speed over the flow of a settled jet."""
@@ -55,21 +56,22 @@ TURNS = 0.75
 
 
 class Method(NamedTuple):
-    """What is taken for given in the equations, how far to be wrong in `seen.UNCERTAIN`."""
+    """Assumptions of the equations; how far they may be wrong is in `seen.UNCERTAIN`."""
 
     blood: Blood = Blood()
     loss: float = 1.0
-    """Times the loss of a jet that mixes."""
+    """Factor of the loss of a jet that mixes."""
     power: float = 7 / 3
-    """Flow to an outlet goes with its diameter to this power, where nothing tells more."""
+    """Exponent of an outlet's diameter to which its flow is proportional, where nothing tells
+    more."""
     wider: float = 0.0
     """The length by which all diameters are larger, mm."""
     divided: float = 1.0
-    """Times the loss of blood that a branch takes over faster than it flows there."""
+    """Factor of the loss of blood that a branch takes over faster than it flows there."""
     turned: float = 0.5
     """Part of the speed's energy across a branch that is lost: all at sharp corners."""
     bent: float = 0.0
-    """Times what sharp bends may lose beside friction."""
+    """Factor of what sharp bends may lose beside friction."""
 
     def toward(self, other: Method, part: float) -> Method:
         """A part of the way to another method."""
@@ -91,19 +93,20 @@ class Block(NamedTuple):
     mixing: Floats
     """Loss of jets from its start to each station, over density and loss of a method, 1/m^4."""
     dividing: Floats
-    """The same of what it takes over from the vessel above, over density and `Method.divided`."""
+    """Loss of what it takes over from the vessel above, over density and `Method.divided`,
+    1/m^4."""
     taken: Floats
     """Share of what it took over in what is faster than blood at the wall; 1 where it begins."""
     turning: float
-    """What moves across where it begins, over density and `Method.turned`, 1/m^4."""
+    """Loss of the motion across where it begins, over density and `Method.turned`, 1/m^4."""
     bending: Floats
     """Loss of sharp bends from its start to each station, over density and `Method.bent`, 1/m^4."""
     jet: Floats
-    """Over the flow the even speed that would carry as much energy, 1/m^2."""
+    """Even speed that would carry as much energy, over the flow, 1/m^2."""
     area: Floats
     """m^2."""
     beyond: float
-    """What the jet that leaves an outlet, or meets others, still loses there, as `mixing`."""
+    """Loss of the jet where it leaves an outlet, or meets others, as `mixing`."""
     slenderness: float
     """Inertance over the density, 1/m."""
     length: float
@@ -308,7 +311,7 @@ def _jets(
 def _across(
     way: ChannelStations, jet: Floats, radius: Floats, stream: Stream, meeting: Iterable[int]
 ) -> Floats:
-    """What moves across (n,) where channels begin, as `Block.turning`.
+    """Losses (n,) of the motion across where channels begin, as `Block.turning`.
 
     It is as fast as blood a radius before the end of the vessel above, if that is slower: nearer
     to it spheres may be as narrow as the ostium of another branch.

@@ -1,4 +1,4 @@
-"""How wide a tree of lumens is along its stretches between junctions, before and after."""
+"""Widths of a tree of lumens along its stretches between junctions, before and after."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ class Widths(NamedTuple):
         return Widths(*(axis[::-1] for axis in self))
 
     def widened(self, by: float) -> Widths:
-        """All diameters larger by so many mm, halved at most."""
+        """The widths with all diameters larger by so many mm, halved at most."""
         return Widths(*(np.maximum(axis + by, axis / 2) for axis in self))
 
 

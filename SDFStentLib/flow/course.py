@@ -1,4 +1,4 @@
-"""Which way blood usually flows through the channels of a vessel, from its inlets on.
+"""Usual direction of blood through the channels of a vessel, from its inlets on.
 
 Nodes are where channels end: 0 is the root of the centerline, `k + 1` the end of channel `k`.
 """

@@ -23,14 +23,14 @@ from .channels import Channel
 
 
 class _Round(NamedTuple):
-    """What lies round the stations of some channels."""
+    """Wall and sections round the stations of some channels."""
 
     which: Indices
-    """(n,) those of which the inscribed diameter is known."""
+    """(n,) indices of the stations whose inscribed diameter is known."""
     wall: FollowedWall
-    """Round these."""
+    """Wall round these."""
     loops: SectionLoops
-    """Of all stations,"""
+    """Sections of all stations,"""
     areas: Floats
     """(m,) and their areas, mm^2; 0 where there is none."""
 
@@ -59,7 +59,7 @@ class FollowedChannels:
 
     @cached_property
     def _reach(self) -> list[Floats]:
-        """How far from stations (n,) by channel wall may matter to them, mm.
+        """Distances (n,) by channel within which wall may matter to its stations, mm.
 
         Twice a radius holds the sphere and the wall round it that plays a part. Where nothing is
         known, as at a cap, what is known next to it tells.
@@ -147,7 +147,7 @@ def _is_same(one: Channel, other: Channel) -> bool:
 
 
 def _joined(rounds: Sequence[_Round], counts: Sequence[int]) -> _Round:
-    """What lies round all channels, one after the other, of so many stations each."""
+    """Wall and sections round all channels, one after the other, of so many stations each."""
     first = np.cumsum([0, *counts])
     spheres = np.cumsum([0, *(len(one.which) for one in rounds)])
     nodes = np.cumsum([0, *(len(one.loops.station) for one in rounds)])
@@ -197,7 +197,7 @@ def _moves(before: Centerline, after: Centerline) -> dict[int, tuple[Floats, Poi
 
 
 def _carried(channel: Channel, moves: dict[int, tuple[Floats, Points]]) -> Points:
-    """Where the stations (n, 3) of a channel are on the moved centerline."""
+    """Stations (n, 3) of a channel on the moved centerline, mm."""
     places = channel.points
     for number in moves.keys() & channel.branch.tolist():
         own, (at, shifts) = channel.branch == number, moves[number]

@@ -1,4 +1,4 @@
-"""Where blood comes in: from the names that the user knows to the ends of a vessel."""
+"""Inlets of a vessel: from the names that the user knows to its ends."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ LISTED = 6
 
 
 class Ends(NamedTuple):
-    """What is known of the branches of a centerline, for the ends to which they lead."""
+    """Names and inlets of the branches of a centerline, for the ends to which they lead."""
 
     names: Sequence[str] = ()
-    """What reports call them."""
+    """Names in reports."""
     given: Sequence[str | None] = ()
-    """What the user calls them."""
+    """Names by the user."""
     begun: frozenset[int] = frozenset()
     """Branches at whose ends lines of the file begin, as at the root; other inlets, that is."""
 
 
 class Inlets(NamedTuple):
-    """Where blood comes in, and where it might."""
+    """Inlets of a vessel, open and closed."""
 
     fractions: dict[int, float]
     """Shares of the flow by node, as of `course.nodes_of`, the first one first; 0 where it is

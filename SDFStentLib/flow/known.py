@@ -1,4 +1,4 @@
-"""What is known of the patient: flow, pressures, and how the lungs share the flow."""
+"""Flow data of a patient: flow, pressures, and how the lungs share the flow."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ L_PER_MIN = 0.06
 
 @dataclass(frozen=True)
 class Inflow:
-    """What comes in at one of several inlets; 0 where it is closed."""
+    """Flow into the vessel at one of several inlets; 0 where it is closed."""
 
     name: str
     """The name of the end, or of the vessel there, as a report has it."""
@@ -236,7 +236,7 @@ def known_flow(
     inlets: tuple[Inflow, ...] = (),
     **more: Any,
 ) -> Known:
-    """What is known, by a mean flow, a wave that may be scaled to it, or flows at all inlets.
+    """Flow data by a mean flow, a wave that may be scaled to it, or flows at all inlets.
 
     `more` as of `Known`, and its errors; `InputError` without a flow.
     """

@@ -1,4 +1,4 @@
-"""Where limbs of a vessel meet again: stretches of its lumen that end at others."""
+"""Meetings of limbs of a vessel: stretches of its lumen that end at others."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _parted(
     )
 
     def onward(k: int) -> int:
-        """Where what was at the end of a stretch is now."""
+        """Index now of what was at the end of a stretch."""
         return k + (k >= number)
 
     moved = [other._replace(above=onward(other.above)) for other in stretches]

@@ -20,16 +20,16 @@ _ENOUGH = 1e-10
 
 
 class Outlets(NamedTuple):
-    """What lies beyond the outlets, which are in the order of their channels."""
+    """Resistances and pressure beyond the outlets, which are in the order of their channels."""
 
     resistance: Floats
-    """(k,) Pa s/m^3."""
+    """(k,) resistances, Pa s/m^3."""
     pressure: float
-    """Beyond them, such as the wedge pressure, Pa."""
+    """Pressure beyond them, such as the wedge pressure, Pa."""
 
 
 class Costs(Protocol):
-    """What the solver asks of a network."""
+    """A network as the solver asks for it."""
 
     @property
     def tree(self) -> Tree:

@@ -1,4 +1,4 @@
-"""Which outlets are of which main branch, and how they resist as the patient's pressures tell."""
+"""Outlets of each main branch, and their resistances by the patient's pressures."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ nothing."""
 
 
 class SideClues(NamedTuple):
-    """What tells the main branches apart."""
+    """Clues that tell the main branches apart."""
 
     frame: Frame | None = None
     """The frame of the patient, which tells where right is."""
     right: Points | None = None
     """(3,) a place in the right one, mm."""
     names: Sequence[str | None] = ()
-    """What the user calls the branches of the centerline, each in its place."""
+    """Names by the user of the branches of the centerline, each in its place."""
 
 
 NOTHING_KNOWN = SideClues()
@@ -161,7 +161,7 @@ def _is_right(
 
 
 def _of_the_right(count: int, sides: Sides | None, known: Known) -> Flags:
-    """Which outlets (k,) share the known split; none where it is not known."""
+    """Mask (k,) of the outlets to the right, which share a known split; of none without one."""
     if known.split_right is None:
         return np.zeros(count, dtype=bool)
     assert sides is not None

@@ -1,4 +1,4 @@
-"""How the profile of blood develops along a tree: an even core, and a layer at the wall.
+"""Development of the velocity profile along a tree: an even core, and a layer at the wall.
 
 Formulas and their sources: docs/flow.md.
 """
@@ -97,11 +97,11 @@ class Profile(NamedTuple):
     """A profile of a core and a parabola in the layer at the wall, as Schiller has it."""
 
     core: Floats
-    """Its speed over the mean one."""
+    """Speed of the core over the mean one."""
     energy: Floats
     """Flow of energy over that of an even profile."""
     friction: Floats
-    """What it loses over what a developed one does."""
+    """Friction over that of a developed profile."""
 
 
 def profile_of(layer: Floats) -> Profile:
@@ -113,7 +113,7 @@ def profile_of(layer: Floats) -> Profile:
 
 
 def _rates() -> tuple[list[float], list[float]]:
-    """How the square of a layer grows, by thousandths of the radius.
+    """Growth of the square of a layer, by thousandths of the radius.
 
     With the core's speed c over the mean one, and the flow of momentum m over that of an even
     profile, the balance of momentum over a section is
@@ -138,7 +138,7 @@ def deans_of(area: Floats, spread: Floats, bends: Floats) -> Floats:
 
 
 def swept_of(way: ChannelStations, area: Floats, layer: Floats, dean: Floats) -> Floats:
-    """What bends take of the energy of profiles (m,) from each station to the next one.
+    """Energy of profiles (m,) that is lost in bends from each station to the next one.
 
     Over the density and the square of the flow, 1/m^4. Blood that is swept across the vessel loses
     what its profile has more than a developed one in such a bend.

@@ -34,7 +34,7 @@ UNCERTAIN = (
     ("power of the outlets", (USUAL._replace(power=2.0), USUAL._replace(power=3.0))),
     ("diameters", (USUAL._replace(wider=-0.1), USUAL._replace(wider=0.1))),
 )
-"""What is uncertain, and how far to both sides; sources in docs/flow.md."""
+"""Uncertain parts of the method, and their ends to both sides; sources in docs/flow.md."""
 
 
 class Band(NamedTuple):
@@ -46,7 +46,7 @@ class Band(NamedTuple):
 
 
 class SpanDrop(NamedTuple):
-    """What a part of the vessel costs."""
+    """Pressure drops over a part of the vessel."""
 
     recovered: Band
     """The drop of the total pressure, mmHg."""
@@ -55,12 +55,12 @@ class SpanDrop(NamedTuple):
 
 
 class InletLoss(NamedTuple):
-    """What blood of one of several inlets loses on its way to the outlets."""
+    """Losses of one inlet's blood on its way to the outlets."""
 
     drop: Band
     """The drop of the total pressure, to its mean over the outlets, mmHg."""
     power: Band
-    """W."""
+    """Power lost, W."""
 
 
 class Moment(NamedTuple):
@@ -184,7 +184,7 @@ def losses_of(networks: Sequence[Network], flows: Floats, count: int) -> Floats:
 
 
 def reach_of(told: Floats) -> tuple[Floats, Floats]:
-    """How far values lie below and above those of the first case, by the pairs of cases after it.
+    """Distances of values below and above those of the first case, by the pairs of cases after it.
 
     Uncertainties are independent of each other: their squares add up.
     """

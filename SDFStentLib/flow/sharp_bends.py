@@ -73,7 +73,7 @@ def bend_loss(turn: Floats, radius: Floats) -> Floats:
 
 
 def sharpness(radius: Floats) -> Floats:
-    """How much of a bend counts (n,) by its radius over the diameter: nothing jumps."""
+    """Weight (n,) of a bend by its radius over the diameter: nothing jumps."""
     part = np.clip((GENTLE - radius) / (GENTLE - 1.0), 0.0, 1.0)
     return np.asarray(part**2 * (3 - 2 * part))
 
@@ -144,7 +144,7 @@ def _bends_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> SharpBen
 def _laid_out(
     points: Floats, channels: Sequence[Channel], widths: Sequence[Widths]
 ) -> tuple[Floats, Indices]:
-    """Where stations (m,) of channels one after the other lie, in diameters, and the last of each.
+    """Places (m,) of stations of channels one after the other, in diameters, and the last of each.
 
     Each begins in the middle between two places, whatever is before it.
     """

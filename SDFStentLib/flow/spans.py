@@ -1,4 +1,4 @@
-"""What a part of a tree costs, such as that along a lesion or a stent."""
+"""Pressure drop over a part of a tree, such as that along a lesion or a stent."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Ways:
         return (*whole, BlockPart(last, 0.0, stop))
 
     def direction_at(self, piece: BlockPart) -> Points:
-        """Where the channel leads (3,) at the end of a piece; unit length."""
+        """Direction (3,) of the channel at the end of a piece; unit length."""
         line = self._channels[piece.block].points
         number = min(int(piece.end), len(line) - 2)
         step = line[number + 1] - line[number]
@@ -217,7 +217,7 @@ def _at(values: Floats, station: float) -> Floats:
 
 
 def _left_in_jets(jet: Floats, area: Floats, flow: Floats, density: Floats, lost: Floats) -> Floats:
-    """What jets at two stations will lose where the vessel goes on as wide (c, 2), Pa.
+    """Pressure (c, 2) that jets at two stations will lose where the vessel goes on as wide, Pa.
 
     Less what the dead water round it spares of the friction there.
     """

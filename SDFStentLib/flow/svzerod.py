@@ -40,7 +40,7 @@ _BARYE, _R, _S = 10.0, 1e-5, 1e-11
 """Units of pressure, resistance and loss: one SI unit in cgs."""
 
 _RUN = "import svzerod; svzerod.run_simulation_cli()"
-"""What its command `svzerodsolver` does; `svzerod.simulate` says the same by way of a table of
+"""Program of its command `svzerodsolver`; `svzerod.simulate` says the same by way of a table of
 pandas, which takes three quarters of the time."""
 
 
@@ -52,7 +52,7 @@ def has_svzerod() -> bool:
 def svzerod_document(
     network: Network, outlets: Outlets, known: Known, notice: str = ""
 ) -> dict[str, Any]:
-    """All that `svzerod.simulate` needs, in cgs: mL/s, dyn/cm^2, dyn s/cm^5; steady or a wave."""
+    """Input of `svzerod.simulate`, in cgs: mL/s, dyn/cm^2, dyn s/cm^5; steady or a wave."""
     wave, tree = known.wave, network.tree
     steps = STEPS if wave is None else wave.steps
     time = [0.0, 1.0] if wave is None else list(wave.time)
@@ -138,7 +138,7 @@ def _inflows(tree: Tree) -> list[str]:
 
 
 def _junctions(tree: Tree) -> Iterator[dict[str, Any]]:
-    """Where vessels meet, by the first one that ends there."""
+    """Junctions of vessels, by the first one that ends there."""
     ending: dict[int, list[int]] = {}
     starting: dict[int, list[int]] = {}
     for number, (start, end) in enumerate(tree.ends.tolist()):

@@ -1,4 +1,4 @@
-"""How the blocks of a network are joined: a tree from the first inlet on, and chords."""
+"""Topology of the blocks of a network: a tree from the first inlet on, and chords."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Level(NamedTuple):
 
 
 class Tree(NamedTuple):
-    """How n blocks are joined, most of them as a tree whose root is the first inlet.
+    """Topology of n blocks, most of them a tree whose root is the first inlet.
 
     What flows in at the other i - 1 inlets, and through the m chords that close loops, comes into
     the tree as flows of s = i - 1 + m sources.
@@ -35,7 +35,7 @@ class Tree(NamedTuple):
     inlets: Indices
     """(i,) the blocks at the inlets."""
     fractions: Floats
-    """(i,) of the usual flow that come in there."""
+    """(i,) shares of the usual flow that come in there."""
     outlets: Indices
     """(k,) the blocks at the outlets."""
     above: Indices
@@ -45,17 +45,17 @@ class Tree(NamedTuple):
     signs: Floats
     """(n,) 1 for blocks that lead away from the root, -1 for those that lead there."""
     leads_to: Flags
-    """(n, k) to which outlets each leads in the tree."""
+    """(n, k) mask of the outlets to which each leads in the tree."""
     levels: tuple[Level, ...]
     """Levels of the blocks that lead to outlets, from the first junctions on."""
     chords: Indices
     """(m,) the blocks that close loops."""
     enters: Floats
-    """(s, n) where sources come into blocks that lead to outlets, at their far ends,"""
+    """(s, n) shares of sources that come in at the far ends of blocks that lead to outlets,"""
     comes_by: Floats
-    """(s, n) which others they come through, against the way from the root,"""
+    """(s, n) shares that come there through other blocks, against the way from the root,"""
     beyond: Floats
-    """(s, n) and beyond which blocks they are."""
+    """(s, n) and shares that come in beyond each block; -1 where a chord begins."""
 
     @property
     def outlet_nodes(self) -> Indices:

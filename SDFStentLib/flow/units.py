@@ -15,7 +15,7 @@ TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "msec": 1e-3, "min": 60.0}
 
 FLOW_UNITS = "mL/s, mL/min, dL/min, L/min, cm3/s or m3/s"
 TIME_UNITS = "s, ms or min"
-"""What is accepted, in words."""
+"""Accepted units, in words."""
 
 _BARE = ("", "t", "time")
 """Headers of a column of time that tell no unit: s, as documented."""
@@ -28,14 +28,14 @@ _MOST_CYCLE = 600.0
 _SIGNS = str.maketrans(
     {"³": "3", "⁻": "-", "\N{MINUS SIGN}": "-", "¹": "1", "^": "", "·": " ", "⋅": " ", "*": " "}
 )
-"""How exponents and products are written, in plain letters."""
+"""Letters for the signs in exponents and products."""
 
 _PER = (
     (re.compile(r"[\s._]*(?<![a-z])(sec|s|min) ?-1(?!\d)"), r"/\1"),
     (re.compile(r"(?<=[a-z3])[\s_]+per[\s_]+(?=[a-z])"), "/"),
     (re.compile(r"(?<![a-z])(m?l)pm(?![a-z])"), r"\1/min"),
 )
-"""What else stands for a quotient: mL min-1, mL per min, lpm."""
+"""Other forms of a quotient: mL min-1, mL per min, lpm."""
 
 
 def flow_value(text: str, name: str = "flow", *, may_be_zero: bool = False) -> float:

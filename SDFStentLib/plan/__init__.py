@@ -1,4 +1,4 @@
-"""One document that holds all that determines a result: written, read and carried out."""
+"""The plan, a document that holds all that determines a result: written, read and carried out."""
 
 from ..vessel import with_sections as with_sections
 from .case import Case as Case

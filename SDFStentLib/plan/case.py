@@ -1,4 +1,4 @@
-"""One vessel in memory and what a plan does to it: placed, grown, measured, cut out."""
+"""A vessel in memory and its plan: placed, grown, measured, cut out."""
 
 from __future__ import annotations
 
@@ -66,18 +66,18 @@ def vessel_of(
 
 
 def lying(stent: Stent, centerline: Centerline) -> PlacedStent:
-    """Where a stent lies on a centerline, whatever the vessel; `InputError` for nowhere."""
+    """A stent in its place on a centerline, whatever the vessel; `InputError` for nowhere."""
     return PlacedStent(1, stent, stent_axis(stent, centerline))
 
 
 def sizing_parameters() -> dict[str, tuple[Parameter, float]]:
-    """What is asked of a stent that is proposed, by name: the parameter and its default."""
+    """Parameters of a stent that is proposed, by name, and their defaults."""
     usual: dict[str, Any] = {one.name: one.default for one in fields(SizingWishes)}
     return {name: (one, usual[name]) for name, one in parameters_of(SizingWishes).items()}
 
 
 def wishes_of(draft: Draft, ratio: float, margin: float) -> SizingWishes:
-    """What a stent that is proposed in place of a draft shall be: it has the device of that.
+    """Wishes for a stent that is proposed in place of a draft; it has the device of that.
 
     `InputError` for numbers out of their range.
     """
@@ -163,14 +163,14 @@ class Case:
 
 
 class CaseOutcome:
-    """What there is to say of a treatment in its vessel."""
+    """Facts, lesions and cautions of a treatment in its vessel."""
 
     vessel: Vessel
     treatment: TreatmentResult
     found: tuple[Lesion, ...] | None
     """The lesions of the vessel before treatment; None without a centerline."""
     left: tuple[TreatedLesion, ...] | None = None
-    """What is left of them, where that is known already."""
+    """Those lesions after treatment, where they are known already."""
 
     @cached_property
     def lesions(self) -> tuple[TreatedLesion, ...] | None:
@@ -188,11 +188,11 @@ class CaseOutcome:
 
     @cached_property
     def residual(self) -> Residual | None:
-        """What is narrowest in the treated vessels; None where no stent covers a lesion."""
+        """Narrowest place in the treated vessels; None where no stent covers a lesion."""
         return residual_of(self.lesions or (), self.treatment.stents)
 
     def size_cautions(self, label: Callable[[int], str]) -> tuple[Caution, ...]:
-        """Where a stent is too short for its lesion, or its ratio to it beyond what is known.
+        """Cautions for a stent too short for its lesion, or its ratio to it beyond what is known.
 
         `label` names a stent by its number.
         """

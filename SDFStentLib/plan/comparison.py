@@ -17,7 +17,7 @@ from .run import PlanResult, as_read, treatment_of
 
 @dataclass(frozen=True)
 class Alternative:
-    """One of the plans, and what came of it.
+    """A plan and its result.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ def _checked(plans: Mapping[str, Plan]) -> Mapping[str, Plan]:
 
 
 def _inputs(plans: Mapping[str, Plan], accept_changed_inputs: bool) -> dict[str, InputFiles]:
-    """What was read for each plan; what several name alike is read once."""
+    """Files read for each plan; what several name alike is read once."""
     known: dict[tuple[object, ...], InputFiles] = {}
     found: dict[str, InputFiles] = {}
     for name, plan in plans.items():
@@ -161,7 +161,7 @@ def _inputs(plans: Mapping[str, Plan], accept_changed_inputs: bool) -> dict[str,
 
 
 def _files_of(plan: Plan) -> tuple[object, ...]:
-    """What decides what `plan_files` gives."""
+    """Key that decides what `plan_files` gives."""
     paths = (
         None if file is None else os.path.realpath(file.path)
         for file in (plan.surface, plan.centerline)

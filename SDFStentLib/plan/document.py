@@ -51,7 +51,7 @@ PLACEMENTS: dict[str, type] = {
     "lesion": AtLesion,
     "branch": OnBranch,
 }
-"""All of them, by the first key that they have in a document."""
+"""Placements by the first key that they have in a document."""
 
 
 def save_plan(

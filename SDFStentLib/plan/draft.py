@@ -43,7 +43,7 @@ NEW_STENT = {
     "device_shortening": False,
     "redilation": None,
 }
-"""What a stent has in its entry unless it is set."""
+"""Entry of a stent in which nothing is set."""
 
 
 def placement_of(place: Mapping[str, Any] | None) -> Placement | None:
@@ -79,14 +79,14 @@ class Draft:
 
     @property
     def place(self) -> Placement | None:
-        """Where it lies by what the vessel has, at a lesion or on a branch; None where not so."""
+        """Placement at a lesion or on a branch; None for another one, or without a place."""
         place = self.entry["placement"]
         is_known = issubclass(self.kind, OfVessel) and next(iter(place.values())) is not None
         return placement_of(place) if is_known else None
 
     @cached_property
     def text(self) -> str:
-        """All that says what it is, wherever it goes."""
+        """Text of all that says what it is, wherever it goes."""
         own = {key: value for key, value in self.entry.items() if key not in _ELSEWHERE}
         return json.dumps([next(iter(self.entry["placement"])), own])
 
@@ -144,7 +144,7 @@ class Draft:
 
     @cached_property
     def shape(self) -> Shape | None:
-        """What makes it another than a cylinder."""
+        """Shape; None for a plain cylinder."""
         try:
             return self.unplaced.shape if self.entry["shape"] else None
         except InputError:
@@ -204,7 +204,7 @@ _WITH_LENGTH = (BetweenPoints, AlongAxis, OfStent)
 """Places that say how long a stent is."""
 
 _ELSEWHERE = ("name", "enabled", "placement")
-"""What of an entry does not say what a stent is."""
+"""Keys of an entry that do not say what a stent is."""
 
 
 def again(stent: Stent, number: int, diameter: float) -> Stent:
@@ -213,5 +213,5 @@ def again(stent: Stent, number: int, diameter: float) -> Stent:
 
 
 def name_again(name: str) -> str:
-    """How a stent that is dilated once more is called; nothing without a name."""
+    """Name of a stent that is dilated once more; empty without a name."""
     return f"{name}, dilated again" if name else ""

@@ -25,7 +25,7 @@ document."""
 
 
 def stent_entry(stent: Stent) -> dict[str, Any]:
-    """All values of a stent but its place."""
+    """Entry of a stent: its values but its place."""
     return {name: to_document(getattr(stent, name)) for name in FIELDS}
 
 
@@ -69,7 +69,7 @@ def part_of(kind: type[T], entry: Entry, name: str) -> T | None:
 
 
 def entry_words(entry: Entry) -> str:
-    """What a stent is beyond its sizes and its place, for the user; empty where that is nothing."""
+    """Words for a stent beyond its sizes and its place, for the user; empty without any."""
     device, balloon = entry.get("device"), entry.get("balloon")
     shape = without_unset(Shape, entry.get("shape") or {})
     words = []

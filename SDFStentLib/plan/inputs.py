@@ -152,7 +152,7 @@ def as_planned(
 
 
 def input_file(read: SurfaceFile | LineFile) -> InputFile:
-    """What a plan keeps of a file that was read."""
+    """Path and hash of a file that was read, for a plan."""
     return InputFile(os.fspath(read.path), read.sha256)
 
 
@@ -188,7 +188,7 @@ def is_changed(file: InputFile, sha256: str) -> bool:
 
 
 def changed_input(file: InputFile, sha256: str) -> InputError:
-    """What to raise for a file that is not the one that a plan was made with."""
+    """Error for a file that is not the one that a plan was made with."""
     return InputError(
         f"{file.path}: expected the file that the plan was made with (sha256 {file.sha256}), got "
         f"another one (sha256 {sha256}); give the original, or accept the changed one ",

@@ -1,4 +1,4 @@
-"""What is known of the flow as the entry of a document, as it is edited.
+"""Flow data as the entry of a document, as it is edited.
 
 Its values need not fit together yet; beside a wave its peak is kept, too. The other form is
 `Known`, which refuses what contradicts itself.
@@ -33,7 +33,7 @@ def flow_entry(known: Known | None) -> dict[str, Any] | None:
 
 
 def known_of(entry: FlowEntry) -> Known | None:
-    """What an entry says; None without a mean flow.
+    """Flow data of an entry; None without a mean flow.
 
     A wave counts while mean and peak are its own, pressures with that at the inlet. `InputError`
     for what contradicts itself.

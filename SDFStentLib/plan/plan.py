@@ -129,7 +129,7 @@ class Plan(ByValue):
 
     @property
     def marks(self) -> Marks:
-        """What the user marked on the vessel."""
+        """Marks of the user on the vessel."""
         root = None if self.root is None else np.array(self.root)
         reference = tuple(np.array(place) for place in self.reference)
         return Marks(root, reference, self.names, self.frame)
@@ -157,7 +157,7 @@ class Plan(ByValue):
 
 
 def method_parameters() -> dict[str, Parameter]:
-    """How stents are deployed, by name: parameters of the settings, and what is done to axes."""
+    """Parameters of the method by name: those of the settings, and the straightening of axes."""
     return {**DeploymentSettings.parameters(), "straightening_fraction": STRAIGHTENING}
 
 

@@ -45,7 +45,7 @@ MOST_STENTS = 1000
 """The most stents of a plan, disabled ones too: far more than any patient gets."""
 
 _PARTS = ("sdfstent_version", "inputs", "settings", "flow", "views")
-"""What a plan may have besides its stents."""
+"""Keys of a plan besides its stents."""
 
 _INPUT_KEYS = ("units", "frame", "surface", "centerline", "root", "reference", "names")
 
@@ -53,7 +53,7 @@ _PLACE_KEYS = (
     *("center", "distal", "proximal", "from", "to", "axis", "stent"),
     *("lesion", "offset", "branch", "distance", "fraction"),
 )
-"""What a placement may have."""
+"""Keys of a placement."""
 
 T = TypeVar("T")
 
@@ -300,7 +300,7 @@ def _float(value: Any, where: str) -> float:
 
 
 def _named(where: str, make: Callable[[], Any]) -> Any:
-    """What `make` gives; its complaint with the place in the document."""
+    """Value of `make()`; its complaint names the place in the document."""
     try:
         return make()
     except InputError as error:

@@ -148,10 +148,7 @@ class PlanResult(CaseOutcome):
 
     @cached_property
     def size_warnings(self) -> tuple[Caution, ...]:
-        """Where a stent is too short for its lesion, or its ratio to it beyond what is known.
-
-        And why lesions may not be what they seem.
-        """
+        """Cautions on the lesions of the vessel, and on the sizes of stents against them."""
         label = partial(label_of, self.plan.stents)
         return (*self.vessel.lesion_cautions, *self.size_cautions(label))
 
@@ -240,7 +237,7 @@ def case_of(plan: Plan, inputs: InputFiles) -> Case:
 
 
 def _axes_in_space(stents: Sequence[Stent], surface: SurfaceFile) -> tuple[Caution, ...]:
-    """What there is to say of curves of which a part is outside; `InputError` for most of one."""
+    """Cautions for curves of which a part is outside; `InputError` for most of one."""
     found: list[Caution] = []
     for number, stent in enumerate(stents, start=1):
         if stent.enabled and isinstance(stent.placement, AlongAxis):
@@ -265,7 +262,7 @@ _SPACING = 1.0
 
 
 class Today(NamedTuple):
-    """What the stents before the first redilation have left."""
+    """Lumens and lesions after the stents before the first redilation."""
 
     redilation: int
     """Number of the first stent that is an earlier one, dilated again."""

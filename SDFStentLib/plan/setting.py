@@ -1,4 +1,4 @@
-"""What follows from setting a value of a stent that is edited: with a balloon its lumen, and so on.
+"""Changes that follow from a value of a stent that is set: with a balloon its lumen, and so on.
 
 All functions take the `Draft` of the stent and give changes of it: values by their paths in its
 entry.
@@ -30,7 +30,7 @@ NOT_KNOWN = float("nan")
 
 
 def set_value(draft: Draft, path: str, value: Any) -> Changes:
-    """What is set where a value is: that, and what follows from it."""
+    """Changes for a value that is set: the value, and what follows from it."""
     return _SET[path](draft, value) if path in _SET else {path: value}
 
 
@@ -71,7 +71,7 @@ def inflated(draft: Draft, diameter: float | None, recoil: float | None = None) 
 
 
 def by_rule(draft: Draft) -> tuple[Any, ...] | None:
-    """All by which the recoil of its balloon differs; None where no rule chooses that."""
+    """Values that decide the recoil of its balloon; None where no rule chooses that."""
     balloon, entry = draft.balloon, draft.entry
     if balloon is None or balloon.is_given:
         return None
@@ -92,7 +92,7 @@ def with_usual_recoil(draft: Draft, place: Mapping[str, Any] | None) -> Stent:
 
 
 def in_lumen(draft: Draft, lumen: float) -> Changes:
-    """What the rule changes of its balloon in a lumen, mm; nothing where it fits already.
+    """Changes of its balloon by the rule in a lumen, mm; none where it fits already.
 
     Where its own lumen was set last, that stays, and the balloon is the one that leaves it.
     """

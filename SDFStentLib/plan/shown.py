@@ -1,4 +1,4 @@
-"""What is written of a plan to look at: its stents, and the surface at every step."""
+"""Files to look at a plan: its stents, and the surface at every step."""
 
 from __future__ import annotations
 

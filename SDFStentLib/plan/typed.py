@@ -98,7 +98,7 @@ def to_document(value: Any) -> Any:
 
 
 def schema_of(kind: Any, **made: Any) -> dict[str, Any]:
-    """What `from_document` takes for a dataclass, as a JSON schema (draft 7).
+    """JSON schema (draft 7) of what `from_document` takes for a dataclass.
 
     What its fields do and may be is said by their parameters; `made` has fields that are read by
     others.
@@ -130,7 +130,7 @@ def list_of(schema: dict[str, Any], count: int | None = None) -> dict[str, Any]:
 
 
 def _schema(hint: Any, one: Parameter | None) -> dict[str, Any]:
-    """What `_typed` takes."""
+    """JSON schema of what `_typed` takes."""
     if get_origin(hint) in (Union, types.UnionType):
         (inner,) = (each for each in get_args(hint) if each is not type(None))
         return or_null(_schema(inner, one))

@@ -1,4 +1,4 @@
-"""What the user calls vessels, as JSON: names with the face or the place that tells which."""
+"""Names of vessels by the user, as JSON, with the face or the place of each."""
 
 from __future__ import annotations
 

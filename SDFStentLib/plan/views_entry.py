@@ -1,4 +1,4 @@
-"""What is asked of views as the entry of a document, as it is edited."""
+"""Wishes for views as the entry of a document, as it is edited."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def views_entry(wishes: ViewWishes | None) -> dict[str, Any] | None:
 
 
 def views_of(entry: ViewsEntry) -> ViewWishes | None:
-    """What an entry says; None where all is as usual, and of a view with one angle the other is 0.
+    """Wishes of an entry; None where all is as usual, and of a view with one angle the other is 0.
 
     `InputError` for angles that no arm has.
     """

@@ -26,7 +26,7 @@ OFF = 0.2
 thinner. Points move onto the wall itself afterward."""
 
 ROUNDS = 5
-"""How often points move toward the middle of their neighbors, along the wall."""
+"""Number of moves of points toward the middle of their neighbors, along the wall."""
 
 PART = 0.7
 """Share of the way to that middle."""

@@ -37,12 +37,12 @@ class Border(NamedTuple):
 
     axis: int
     at: float
-    """Where the outer faces of its last voxels are, mm along the axis."""
+    """Position of the outer faces of its last voxels, mm along the axis."""
     inward: float
     """1 where the image is beyond that, -1 where it is before."""
 
     def beyond(self, place: Points) -> float:
-        """How far a place (3,) is out of the image, mm."""
+        """Distance of a place (3,) beyond the border, mm; negative inside."""
         return float(self.inward * (self.at - place[self.axis]))
 
     @property
@@ -174,7 +174,7 @@ def _plane(finder: PlaneFinder, end: RoundEnd) -> CutPlane | None:
 
 
 def _crossing(points: Points, border: Border) -> Points:
-    """Where a line (n, 3) from the outside crosses a border, or the place there beside its end."""
+    """Place (3,) where a line (n, 3) from the outside crosses a border, or beside its end."""
     out = np.array([border.beyond(point) for point in points])
     if out[0] <= 0 or (out > 0).all():
         found = points[0].copy()

@@ -75,7 +75,7 @@ class ScanFile(NamedTuple):
         return _chosen(self.labels, self.known, label, self.path)
 
     def segmentation(self, label: LabelEntry) -> Segmentation:
-        """One of the labels; `InputError` for voxels that are no boxes."""
+        """Segmentation of a label; `InputError` for voxels that are no boxes."""
         image = self.image
         directions = np.reshape(image.GetDirection(), (3, 3))
         mask = self.layers[label.layer] == label.value
@@ -187,7 +187,7 @@ def _layers(image: Any, path: Path) -> list[NDArray[Any]]:
 
 
 def _fault(voxels: NDArray[Any]) -> str:
-    """What voxels have that labels do not; empty where they may be labels."""
+    """Fault of voxels that are no labels, in words; empty where they may be labels."""
     if voxels.min() < 0:
         return "negative numbers"
     if voxels.dtype.kind == "f" and (voxels != np.rint(voxels)).any():

@@ -1,4 +1,4 @@
-"""What half a voxel makes of the numbers of a vessel that was made of a scan.
+"""Effect of half a voxel on the numbers of a vessel that was made of a scan.
 
 The wall is moved in and out along its normals by half a voxel. Lesions are measured again on both
 walls, and stents deployed in both: no formula tells how far a number is off.
@@ -24,7 +24,7 @@ Span = tuple[float, float]
 
 
 class Ranged(NamedTuple):
-    """One quantity of one thing, before treatment and after it."""
+    """A quantity of one thing, before treatment and after it."""
 
     name: str
     """Such as "lesion 1"."""
@@ -33,7 +33,7 @@ class Ranged(NamedTuple):
 
 
 class VoxelRange(NamedTuple):
-    """How far numbers go while the wall is anywhere within half a voxel of where it was found."""
+    """Ranges of numbers while the wall is anywhere within half a voxel of where it was found."""
 
     half: float
     """Half a voxel, mm."""

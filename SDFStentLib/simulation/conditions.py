@@ -1,4 +1,4 @@
-"""What is set at the ends of a segment: from the network of the whole tree."""
+"""Boundary conditions at the ends of a segment, from the network of the whole tree."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ CGS_PRESSURE = 10.0
 
 
 class End(NamedTuple):
-    """What is set at an end of a segment."""
+    """Boundary condition at an end of a segment."""
 
     name: str
     """The name of the face."""
@@ -75,7 +75,8 @@ class Conditions(NamedTuple):
 
     @property
     def distal(self) -> float:
-        """What the solver takes beyond the outlets of a wave, which have a place for it."""
+        """Pressure beyond the outlets of a wave, dyn/cm^2; the solver takes none for steady
+        flow."""
         return 0.0 if self.cycle is None else self.wedge
 
     @property
@@ -85,7 +86,7 @@ class Conditions(NamedTuple):
 
 
 class EndFlows:
-    """What flows through the ends of segments, by the network of a vessel in one state.
+    """Flows through the ends of segments, by the network of a vessel in one state.
 
     Parameters
     ----------

@@ -113,7 +113,7 @@ CASES = {
 """The folder of each state and mesh, in the order in which they are solved."""
 
 FILES = frozenset({DOCUMENT, "run.sh", "job.sbatch", "before", "after", "coarse"})
-"""What is in the folder."""
+"""Names of the files and folders in the folder."""
 
 
 class Origin(NamedTuple):
@@ -155,7 +155,7 @@ def write_cases(folder: Path, prepared: Prepared, origin: Origin, processes: int
 
 
 def read_document(folder: Path) -> dict[str, Any]:
-    """What has to be known of the cases in a folder.
+    """Document of the cases in a folder.
 
     Raises
     ------

@@ -44,7 +44,7 @@ def check_mmg() -> None:
 
 
 def by_mmg(name: str, mesh: MeditMesh, sizes: Floats, options: Sequence[str]) -> MeditMesh:
-    """What MMG makes of a mesh.
+    """Remesh by MMG.
 
     Parameters
     ----------

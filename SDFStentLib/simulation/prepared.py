@@ -82,7 +82,7 @@ class State(NamedTuple):
 
 
 class Prepared(NamedTuple):
-    """All that a solver is given."""
+    """Input of a solver, and the network to compare its results with."""
 
     states: dict[str, State]
     way: Points
@@ -90,7 +90,7 @@ class Prepared(NamedTuple):
     main_outlet: str
     """The face at the end of the way."""
     network: Mapping[str, Mapping[str, tuple[float, float, float]]]
-    """What the network tells by state: a value, and between what it lies, mmHg."""
+    """Pressures of the network by state: a value, and between what it lies, mmHg."""
     level: float | None
     """mmHg, to be added to the pressures of the solver; None where none is known."""
     extensions: dict[str, float]
@@ -99,7 +99,7 @@ class Prepared(NamedTuple):
 
 
 class Cut(NamedTuple):
-    """How the segment is cut."""
+    """Options of cutting the segment."""
 
     ends: tuple[Points, Points] | None = None
     """mm; None to take those that `ends_beyond` finds."""
@@ -195,7 +195,7 @@ def _ends(vessels: tuple[Vessel, Vessel], cut: Cut) -> FlowEnds:
 
 
 def _known(moment: Moment) -> dict[str, tuple[float, float, float]]:
-    """What the network tells of the segment, mmHg."""
+    """Pressures of the network over the segment, and at the inlet where they are known, mmHg."""
     (drop,) = moment.drops
     told = {"recovered": (*drop.recovered,), "maximal": (*drop.maximal,)}
     return told if moment.inlet is None else {**told, "inlet": (*moment.inlet,)}

@@ -20,9 +20,9 @@ CHORD = 0.75
 """Part of the tolerance that the edges of a round wall may take."""
 
 TRIES = ((35, 0.9), (25, 0.9), (35, 0.7), (25, 0.7), (20, 0.5))
-"""What is asked for in turn: degrees between two triangles from which on their edge is kept, as
-that round a cap is, and times the tolerance. MMG keeps it only nearly, and now and then lays a wall
-that is bent sharply over itself: with another angle it does not."""
+"""Attempts in turn: degrees between two triangles from which on their edge is kept, as that round a
+cap is, and times the tolerance. MMG keeps it only nearly, and now and then lays a wall that is bent
+sharply over itself: with another angle it does not."""
 
 MENDS = 10
 """Times at most that the corners of faulty triangles go to the mean of their neighbors."""
@@ -31,7 +31,7 @@ SLIM_DEG = 10.0
 """Smallest angle below which a triangle counts as faulty: tetrahedra on it are as flat."""
 
 GRADING = 1.25
-"""How much longer an edge may be than the next one."""
+"""Largest ratio of an edge to the next one."""
 
 SPARE = 1.2
 """Edges come out up to so many times as long as was asked for."""
@@ -41,7 +41,7 @@ NEAR = 32
 
 
 class Wishes(NamedTuple):
-    """How fine a mesh is."""
+    """Fineness of a mesh."""
 
     edges_round: float = 20.0
     """The least number of edges that go round the vessel everywhere."""
@@ -55,7 +55,7 @@ class Wishes(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """What tells how wide a vessel is at a place of its wall."""
+    """Radii of a vessel along its centerlines, for places of its wall."""
 
     points: Points
     """(k, 3) along the centerlines, mm."""
@@ -201,6 +201,6 @@ def mended(made: MeditMesh) -> Surface:
 
 
 def edges_around(surface: Surface, origin: Points, normal: Floats) -> int:
-    """How many edges go round a surface in a plane: half of the triangles that it cuts there."""
+    """Number of edges round a surface in a plane: half of the triangles that it cuts there."""
     section = section_around(surface.points, surface.triangles, origin, normal)
     return 0 if section is None else len(section.triangles) // 2

@@ -1,4 +1,4 @@
-"""What a solver found: pressures, flows and wall shear of one case, from its files."""
+"""Results of a solver: pressures, flows and wall shear of one case, from its files."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class SolvedCase:
         self._count = len(way)
 
     def result(self, *, is_wave: bool) -> CaseResult:
-        """What the solver has left in the folder.
+        """Results that the solver has left in the folder.
 
         Raises
         ------

@@ -102,7 +102,7 @@ UNSTEADY = 0.02
 
 
 class Simulated(NamedTuple):
-    """What a solver found, beside what the network tells."""
+    """Results of a solver, and the document of its cases, which has those of the network."""
 
     document: dict[str, Any]
     """The document as `write_cases` wrote it."""

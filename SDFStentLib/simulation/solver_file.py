@@ -248,7 +248,7 @@ def _flow_file(conditions: Conditions, number: int, steps: TimeSteps) -> str:
 
 
 def harmonics_of(time: Floats, flow: Floats, least: float) -> int:
-    """How many of a wave the solver takes to meet its rows, the mean among them.
+    """Number of a wave's harmonics with which the solver meets its rows, the mean among them.
 
     Parameters
     ----------

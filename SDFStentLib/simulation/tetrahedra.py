@@ -71,7 +71,7 @@ def filled(made: Remeshed) -> VolumeMesh:
 
 
 def quality(volume: VolumeMesh) -> Quality:
-    """How large and how well shaped the tetrahedra are."""
+    """Numbers of points and tetrahedra, and their extreme angles."""
     angles = dihedral_angles(volume.points, volume.tetrahedra)
     return Quality(
         len(volume.points), len(volume.tetrahedra), float(angles.min()), float(angles.max())

@@ -1,4 +1,4 @@
-"""What an angiographer sees: where the C-arm looks, and what it shows of a vessel."""
+"""X-ray views of a vessel: the position of the C-arm and the picture it takes there."""
 
 from .angiogram import ATTENUATION as ATTENUATION
 from .angiogram import Angiogram as Angiogram

@@ -27,7 +27,7 @@ PIXELS = 512
 
 
 class Angiogram(NamedTuple):
-    """What the rays to a detector met."""
+    """Lengths of the rays to a detector within the lumen."""
 
     view: ArmView
     beam: Beam
@@ -45,7 +45,7 @@ class Angiogram(NamedTuple):
         return np.rint(255 * np.clip(passed, 0, 1)).astype(np.uint8)
 
     def pixels(self, points: Points) -> Floats:
-        """Where (n, 3) points are: (n, 2) columns and rows, from the left upper corner."""
+        """Places (n, 2) of points (n, 3): columns and rows, from the left upper corner."""
         return self.beam.flat(points)
 
 

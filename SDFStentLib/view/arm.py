@@ -42,7 +42,7 @@ class ArmView(NamedTuple):
 
 
 class ArmLimits(NamedTuple):
-    """How far an arm turns, degrees to either side, and with which patient's table."""
+    """Limits of an arm's angles, degrees to either side, and of those with the patient's table."""
 
     lao_rao: float = LAO_RAO
     cra_cau: float = CRA_CAU
@@ -94,7 +94,7 @@ def arm_limits(
 
 
 def arm_axes(primary: Floats, secondary: Floats, frame: Frame) -> Floats:
-    """What is right, up, and toward the detector in the pictures of positions (k,).
+    """Right, up, and the direction toward the detector in the pictures of positions (k,).
 
     Parameters
     ----------

@@ -39,14 +39,14 @@ class SeenView(NamedTuple):
     ostia_covered: float
     """The same of the beginnings of the branches beside it; 0 where there is none."""
     seen: float
-    """How much is seen: what is left of the length, times what is free of the area of both."""
+    """Share that is seen: what is left of the length, times what is free of the area of both."""
     over_it: tuple[int, ...] = ()
     """Indices of the branches that cover the stretch, most of it first."""
 
 
 @dataclass(frozen=True, eq=False)
 class ViewMap:
-    """How a stretch looks from all angles of a grid: arrays (p, s) over the two angles."""
+    """Views of a stretch from all angles of a grid: arrays (p, s) over the two angles."""
 
     primary: Floats
     """(p,) LAO, degrees."""
@@ -102,7 +102,7 @@ class Shown:
         return spheres_of(self.tree)
 
     def mapped(self, primary: Floats, secondary: Floats, limits: ArmLimits) -> ViewMap:
-        """How it looks from all pairs of angles (p,) and (s,), degrees."""
+        """Map of its views from all pairs of angles (p,) and (s,), degrees."""
         first, second = _pairs(primary, secondary)
         shares = self._shares(arm_axes(first, second, self.frame))
         lost, covered, ostia, seen = (one.reshape(len(primary), -1) for one in shares)
@@ -110,7 +110,7 @@ class Shown:
         return ViewMap(primary, secondary, lost, covered, ostia, seen, is_reached)
 
     def seen_from(self, view: ArmView) -> SeenView:
-        """How it looks from one view, and which branches cover it there."""
+        """The stretch from one view, with the branches that cover it there."""
         axes = view.axes(self.frame)
         lost, covered, ostia, seen = (float(one[0]) for one in self._shares(axes[None]))
         over = covering_branches(self._stretch, axes)
@@ -126,7 +126,7 @@ class Shown:
 
 
 class WorkingViews(NamedTuple):
-    """What is proposed for a stretch."""
+    """Views that are proposed for a stretch."""
 
     map: ViewMap
     best: SeenView
@@ -155,7 +155,7 @@ def working_views(shown: Shown, limits: ArmLimits, apart: float = APART) -> Work
 
 
 def are_apart_from(view: ArmView, grid: ViewMap, frame: Frame, apart: float) -> Flags:
-    """Which views (p, s) of a map are at least so many degrees from one; opposite ones show the
+    """Mask (p, s) of a map's views at least so many degrees from one; opposite ones show the
     same."""
     toward = arm_axes(*_pairs(grid.primary, grid.secondary), frame)[:, 2]
     cosine = np.abs(toward @ view.axes(frame)[2]).reshape(grid.is_reached.shape)
@@ -169,7 +169,7 @@ def _side(most: float) -> Floats:
 
 
 def _pairs(primary: Floats, secondary: Floats) -> tuple[Floats, Floats]:
-    """All pairs of angles (p,) and (s,), as two arrays (p s,)."""
+    """Pairs of angles (p,) and (s,), as two arrays (p s,)."""
     first, second = np.meshgrid(primary, secondary, indexing="ij")
     return first.ravel(), second.ravel()
 

@@ -1,4 +1,4 @@
-"""How far every ray of an X-ray runs within a closed surface: exactly, for all pixels at once.
+"""Length of each ray of an X-ray within a closed surface: exactly, for all pixels at once.
 
 A closed surface is left as often as it is entered. The sum of the depths at which a ray meets it,
 with the sign of the side from which it comes, is the length within. Triangles are laid on the
@@ -42,7 +42,7 @@ class Beam(NamedTuple):
         return self.size[0] * self.pixel
 
     def flat(self, points: Points) -> Floats:
-        """Where (n, 3) points are in the picture: (n, 2) columns and rows, from the left upper
+        """Places (n, 2) of points (n, 3) in the picture: columns and rows, from the left upper
         corner."""
         return self._placed(points)[:, :2]
 

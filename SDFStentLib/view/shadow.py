@@ -1,4 +1,4 @@
-"""How a vessel looks in many views: foreshortened, and under the shadows of others.
+"""Vessels in many views: foreshortened, and under the shadows of others.
 
 An X-ray has no front: what lies before a vessel and what lies behind it darken it alike. A ray
 through a vessel counts as covered where it meets at least twice as much lumen as the vessel itself
@@ -43,20 +43,20 @@ class Obstacles(NamedTuple):
     target: Target
     others: Spheres
     station: Indices
-    """(p,) of the target."""
+    """(p,) indices of the places of the target."""
     ball: Indices
-    """(p,) of the others."""
+    """(p,) indices of the others."""
     away: Floats
     """(p, 3) the way from one to the other, mm."""
     times: Floats
     """(p,) square of how many times the length of the vessel itself the sphere needs on a ray: once
     beside it, twice where it touches the place, and has the vessel's own length in it."""
     reach: Floats
-    """(p,) how near their middles have to be in the picture, mm."""
+    """(p,) distance that their middles have at most in the picture, mm."""
 
 
 def obstacles(target: Target, others: Spheres) -> Obstacles:
-    """Which spheres can cover which places, from wherever one looks.
+    """Spheres that can cover places, from wherever one looks.
 
     Notes
     -----

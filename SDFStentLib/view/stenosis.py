@@ -21,7 +21,7 @@ _HEALTHY = 5
 
 
 class SeenStenosis(NamedTuple):
-    """How narrow a lesion looks; NaN where no section is its vessel's alone."""
+    """Stenosis of a lesion as it looks; NaN where no section is its vessel's alone."""
 
     percent: float
     """100 (1 - width / that of healthy vessel at that place)."""
@@ -32,8 +32,8 @@ class SeenStenosis(NamedTuple):
 
 
 def seen_stenosis(lesion: Lesion, after: Lesion, tree: Centerline, toward: Floats) -> SeenStenosis:
-    """How narrow a lesion looks from a direction (3,), a unit vector toward the detector; see
-    `LesionSections`, which is cheaper for several of them."""
+    """Stenosis of a lesion as it looks from a direction (3,), a unit vector toward the detector;
+    see `LesionSections`, which is cheaper for several of them."""
     return LesionSections(lesion, after, tree).seen(toward)
 
 

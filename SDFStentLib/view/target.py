@@ -1,4 +1,4 @@
-"""What a view has to show, and the lumen that may lie in its way, as spheres on the centerline."""
+"""Target of a view, and the lumen that may lie in its way, as spheres on the centerline."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked of working views: how far the arm turns, and a view that is chosen already."""
+"""Wishes for working views: limits of the arm, and a view that is chosen already."""
 
 from __future__ import annotations
 
