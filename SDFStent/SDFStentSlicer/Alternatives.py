@@ -38,7 +38,7 @@ COPIED = (
     "closeBranches",
     "plan",
 )
-"""What a copy of a plan takes over, besides copies of its handles; its results it has to make."""
+"""Attributes that a copy of a plan takes over, besides copies of its handles; its results it has to make."""
 
 HIDDEN_ATTRIBUTE = "SDFStent.HiddenWithPlan"
 SHOWN_ATTRIBUTE = "SDFStent.ShownWithPlan"
@@ -52,7 +52,7 @@ class Alternatives:
     """
 
     def alternatives(self, parameterNode):
-        """All plans for the vessel of a parameter node, itself among them, in the order in which they were made."""
+        """Plans for the vessel of a parameter node, itself among them, in the order in which they were made."""
         vessel = parameterNode.vessel
         if vessel is None:
             return [parameterNode]

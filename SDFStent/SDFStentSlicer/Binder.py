@@ -106,7 +106,7 @@ class OfNumber:
 
 
 class OfChoice:
-    """One of several texts."""
+    """A choice of one of several texts."""
 
     signal = "currentIndexChanged(int)"
 

@@ -1,4 +1,4 @@
-"""Where treatments are calculated: in a process beside the application, or on a thread of its own where there is none."""
+"""Calculation of treatments: in a process beside the application, or on a thread of its own where there is none."""
 
 from SDFStentLib.beside import ProcessEnded, treatment_process
 from SDFStentLib.plan import TreatedCase, with_sections
@@ -124,7 +124,7 @@ class Elsewhere:
 
 
 class Asked:
-    """What was asked of a process just now; answers come one by one, unless somebody else asks for something."""
+    """A request to a process just now; answers come one by one, unless somebody else asks for something."""
 
     def __init__(self, process):
         self._process, self._number = process, process.number

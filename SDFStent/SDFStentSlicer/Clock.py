@@ -1,4 +1,4 @@
-"""What the module needs of an event loop: to be called later. Qt's in Slicer, another one where an application has it."""
+"""Event loop of the module, to be called later: Qt's in Slicer, another one where an application has it."""
 
 import contextlib
 
@@ -10,10 +10,10 @@ class QtTimer:
     """
 
     WAIT_S = 0.005
-    """How long a turn waits for a thread at once: in Slicer threads advance only while the application waits for them."""
+    """Time that a turn waits for a thread at once: in Slicer threads advance only while the application waits for them."""
 
     TURN_S = (0.01, 0.5)
-    """How long a turn may take at least, and at most with the frame that is drawn after it."""
+    """Least time of a turn, and its longest with the frame that is drawn after it."""
 
     def __init__(self, call, milliseconds, isRepeated):
         import qt

@@ -1,4 +1,4 @@
-"""What a deployment depends on: the nodes, what is missing, and whether anything has changed."""
+"""Inputs of a deployment: the nodes, what is missing, and whether anything has changed."""
 
 from typing import NamedTuple
 
@@ -13,10 +13,10 @@ from .PlanFields import REMEDIES, Placement
 
 
 class Standing(NamedTuple):
-    """What a deployment would begin with now."""
+    """State with which a deployment would begin now."""
 
     missing: str
-    """What has to be chosen before, as a sentence; "" when nothing is."""
+    """Sentence on what has to be chosen before; "" when nothing is."""
     signature: tuple
     """A value that differs whenever the result would."""
 
@@ -36,7 +36,7 @@ def inputNodes(parameterNode):
 
 
 def missing(parameterNode):
-    """What has to be chosen before Deploy, as a sentence; "" when nothing is. Changes nothing."""
+    """Sentence on what has to be chosen before Deploy; "" when nothing is. Changes nothing."""
     return standing(parameterNode).missing
 
 
@@ -77,7 +77,7 @@ def _refusal(stents):
 
 
 def missingOf(stent):
-    """What a stent's handle lacks, as a sentence; "" when it says where the stent goes."""
+    """Sentence on what a stent's handle lacks; "" when it says where the stent goes."""
     if stent.placement.isOfVessel:
         words = _("{label}: choose a lesion, or a branch.").format(label=stent.label)
         return words if stent.draft.place is None else ""
@@ -110,7 +110,7 @@ def leave(parameterNode, node):
 
 
 def chooseSegment(parameterNode):
-    """Where the vessel is a segmentation that has not the chosen segment, choose its first."""
+    """Choose the first segment of a vessel that is a segmentation without the chosen segment."""
     vessel = parameterNode.vessel
     if vessel is None or not vessel.IsA("vtkMRMLSegmentationNode"):
         return

@@ -25,7 +25,7 @@ MOST_LEFT = 1
 
 
 class DeploySession:
-    """One deployment at a time, never re-entrant; the latest values always win.
+    """A deployment at a time, never re-entrant; the latest values always win.
 
     A change that arrives while a deployment runs is remembered: a preview is finished first, so that something is seen while
     the user drags; the full method is dropped. After the end the inputs are compared with those of the run, so the final state is

@@ -43,7 +43,7 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
 
 
 def _begun(parameterNode, vessel, inputs):
-    """Where the stents go; yields None until it is known, then returns the `Stenting`."""
+    """Place the stents; yields None until that is done, then returns the `Stenting`."""
     patient = yield from inputs.patientInPortions(parameterNode)
     search = None if patient.centerline is None else inputs.lesions(parameterNode)
     precision = Precision(dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype)

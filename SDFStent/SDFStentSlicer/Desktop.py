@@ -1,4 +1,4 @@
-"""What the module needs of a desktop: questions for files, cells of tables, keys. Qt's in Slicer, another one where an application has it."""
+"""Desktop of the module: questions for files, cells of tables, keys. Qt's in Slicer, another one where an application has it."""
 
 
 class QtDesktop:

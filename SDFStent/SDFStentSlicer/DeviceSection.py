@@ -74,7 +74,7 @@ class DeviceSection:
         return rows
 
     def _tell(self, stent):
-        """What is known of device and balloon, in the words of the report."""
+        """Show the sentences on device and balloon, in the words of the report."""
         try:
             planned = stent.draft.unplaced
         except InputError:

@@ -177,7 +177,7 @@ def addMesh(parameterNode, path, surface):
 
 
 def drawnAs(node):
-    """What a model of stents was asked to show them as."""
+    """Name of what a model of stents was asked to show them as."""
     return node.GetAttribute(DRAWN_ATTRIBUTE) or ""
 
 
@@ -275,5 +275,5 @@ def showPlace(point, size):
 
 
 def sizeRound(length):
-    """How much is to be seen of a lesion or a stent and of what lies beside it, mm."""
+    """Length to be seen of a lesion or a stent and of what lies beside it, mm."""
     return max(VIEW_LENGTHS * length, SMALLEST_VIEW)

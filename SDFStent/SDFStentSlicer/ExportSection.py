@@ -1,4 +1,4 @@
-"""What the panel writes: files of the last deployment, and a segment of the vessel for a flow solver."""
+"""Sections of the panel that write: files of the last deployment, and a segment of the vessel for a flow solver."""
 
 from slicer.i18n import tr as _
 

@@ -1,4 +1,4 @@
-"""What is known of the patient's flow before treatment: L/min, mmHg and % in the panel, mL/s in the plan."""
+"""Flow data of the patient before treatment: L/min, mmHg and % in the panel, mL/s in the plan."""
 
 import importlib
 import json
@@ -55,7 +55,7 @@ def installSolver():
 
 
 def toldFlow(parameterNode):
-    """What is set, as the library has it; None where no flow is, and while what is set contradicts itself."""
+    """Flow data that are set, as the library has them; None where no flow is, and while they contradict themselves."""
     return None if refusal(parameterNode) else known_of(parameterNode.get("flow"))
 
 

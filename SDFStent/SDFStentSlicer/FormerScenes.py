@@ -53,7 +53,7 @@ def takeOver(node):
 
 
 def toldOf(parameterNode):
-    """What there is to know of a plan that was taken over and not changed since; "" of any other."""
+    """Sentence on a plan that was taken over and not changed since; "" of any other."""
     taken = getattr(parameterNode.parameterNode, "takenOver", None)
     return TOLD if taken is not None and taken == parameterNode.plan else ""
 
@@ -103,7 +103,7 @@ def _wave(rows):
 
 
 def _names(kept):
-    """What the last plan called the vessels, its places in mm in RAS."""
+    """Names of vessels in the last plan, its places in mm in RAS."""
     inputs = kept.get("inputs") or {}
     scale = {"mm": 1.0, "cm": 10.0, "m": 1000.0}[inputs.get("units", "mm")]
     sign = -1.0 if inputs.get("frame") == "LPS" else 1.0

@@ -1,4 +1,4 @@
-"""What a plan was before: its stents and its method go back, and forth again."""
+"""Former states of a plan: its stents and its method go back, and forth again."""
 
 from SDFStentLib.validation import InputError
 
@@ -144,7 +144,7 @@ class HistoryButtons:
 
 
 def _placeOf(node):
-    """Which node it is, and where its transform brings it: what was kept elsewhere would come back beside it."""
+    """Identity of a node and its matrix to world: what was kept elsewhere would come back beside it."""
     if node is None:
         return None
     matrix = matrixToWorld(node)

@@ -199,7 +199,7 @@ def _stampOf(parameterNode):
 
 
 def _misfits(surface, lines, vesselName, name):
-    """What there is to say of a centerline's lines that lie in a vessel, but for a part; `InputError` for those of another vessel."""
+    """Sentences on a centerline's lines that lie in a vessel but for a part; `InputError` for those of another vessel."""
     points, numbers, _radii = lines
     names = {"surface_name": vesselName, "centerline_name": name}
     return [

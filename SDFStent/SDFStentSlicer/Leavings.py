@@ -1,4 +1,4 @@
-"""What a plan has made in the scene, and what goes with it when the plan or its results are removed."""
+"""Nodes that a plan has made in the scene, and what goes with it when the plan or its results are removed."""
 
 from typing import Any, NamedTuple
 
@@ -10,7 +10,7 @@ SEEN_ROLES = ("outputVessel", "outputCenterline", "outputStents")
 
 
 class Leavings(NamedTuple):
-    """What a plan has made in a scene: nodes, and the item of their folder, 0 without; and the vessel, or its segment, that it was for."""
+    """Nodes that a plan has made in a scene, and the item of their folder, 0 without; and the vessel, or its segment, that it was for."""
 
     scene: Any
     nodes: list
@@ -29,7 +29,7 @@ class Removing:
         self.removeLeavings(leavings)
 
     def leavings(self, parameterNode):
-        """What a plan leaves in the scene when its parameters are removed, for `removeLeavings` then."""
+        """The `Leavings` of a plan when its parameters are removed, for `removeLeavings` then."""
         scene = parameterNode.parameterNode.GetScene()
         vessel = (parameterNode.vessel, Conversion.segmentOf(parameterNode))
         return Leavings(scene, _ownNodes(parameterNode), _folderOf(parameterNode), *vessel)
@@ -61,7 +61,7 @@ class Removing:
 
 
 def seenNodes(parameterNode):
-    """What is seen of a plan in the views: results, and handles that were made for it."""
+    """Nodes of a plan that are seen in the views: results, and handles that were made for it."""
     results = [getattr(parameterNode, role) for role in SEEN_ROLES]
     handles = [stent.handle for stent in parameterNode.stents]
     made = [node for node in handles if node and node.GetAttribute(Handles.HANDLE_ATTRIBUTE)]
@@ -69,7 +69,7 @@ def seenNodes(parameterNode):
 
 
 def _ownNodes(parameterNode):
-    """All that a plan has made in the scene."""
+    """Nodes that a plan has made in the scene."""
     chart = parameterNode.outputChart
     count = 0 if chart is None else chart.GetNumberOfPlotSeriesNodes()
     found = [

@@ -12,7 +12,7 @@ from .Portions import inPortions
 
 
 class Around(NamedTuple):
-    """How wide the vessel is along a lesion, and healthy vessel on both sides."""
+    """Diameters of the vessel along a lesion, and of healthy vessel on both sides."""
 
     points: Any
     """(k, 3) mm."""

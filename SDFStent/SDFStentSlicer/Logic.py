@@ -1,4 +1,4 @@
-"""What the module does, without widgets: the panel and the Python console both use this."""
+"""The module without widgets: the panel and the Python console both use this."""
 
 import logging
 import sys
@@ -315,7 +315,7 @@ class SDFStentLogic(
 
     @staticmethod
     def sentence(error):
-        """What the user reads about an error."""
+        """Sentence for the user about an error."""
         if isinstance(error, InputError):
             return error.sentence(REMEDIES)
         if isinstance(error, DeploymentError):

@@ -61,7 +61,7 @@ def _nearest(locator, point):
 
 
 def _opposite(locator, wall, direction, reach):
-    """Where a line from the wall meets it next, None without such a place."""
+    """Place where a line from the wall meets it next, None without one."""
     hits, cells = vtkPoints(), vtkIdList()
     ends = (wall + BEYOND * direction, wall + reach * direction)
     locator.IntersectWithLine(*ends, 0.0, hits, cells)

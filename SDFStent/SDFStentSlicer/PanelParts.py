@@ -104,7 +104,7 @@ class PanelSize:
 
     @property
     def room(self):
-        """How much higher the window is than what the panel needs, pixels; 0 in the page, which scrolls."""
+        """Height of the window beyond what the panel needs, pixels; 0 in the page, which scrolls."""
         height = getattr(self._panel, "height", 0)
         return max(0, height - self._panel.layout().heightForWidth(self._panel.width))
 

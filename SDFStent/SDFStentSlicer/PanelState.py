@@ -1,4 +1,4 @@
-"""What the panel lets be done and says: enabled widgets, ends of sliders, headings, the status line, lines in the 3D views."""
+"""State of the panel: enabled widgets, ends of sliders, headings, the status line, lines in the 3D views."""
 
 import math
 import textwrap
@@ -198,7 +198,7 @@ class PanelState:
             _letReach(getattr(self.ui, name), self._usualReach[name], getattr(method, parameter))
 
     def enable(self, parameterNode, standing=None):
-        """What can be done now; `standing` is that of the parameter node, where it was just asked for."""
+        """Enable the widgets that can be used now; `standing` is that of the parameter node, where it was just asked for."""
         if parameterNode is None:
             return
         running, count = self._session.isRunning, len(stentsOf(parameterNode))

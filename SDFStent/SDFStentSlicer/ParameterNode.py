@@ -30,7 +30,7 @@ from .PlanFields import Placement as Placement
 
 
 class SurfaceMap(enum.Enum):
-    """What colors the stented vessel."""
+    """Array that colors the stented vessel."""
 
     NONE = ""
     DISPLACEMENT = "Displacement"
@@ -77,7 +77,7 @@ class Named:
             self._node.change({self._prefix + field.path: field.planned(value)})
 
     def values(self):
-        """All of them by name, free of the node."""
+        """Values by name, free of the node."""
         return {name: getattr(self, name) for name in self._fields}
 
 
@@ -133,13 +133,13 @@ class SDFStentParameterNode:
     outputChart: Optional[vtkMRMLPlotChartNode]
 
     status: str = ""
-    """What the last click said."""
+    """Message of the last click."""
     lumenSummary: str = ""
     certificateSummary: str = ""
     warningSummary: str = ""
     tiles: str = ""
     atHand: str = ""
-    """What the 3D view tells of the selected stent, line by line."""
+    """Lines on the selected stent in the 3D view."""
 
     def get(self, path):
         """The value at a path of the plan's document, as by default where nothing is set; that of a handle is a node, or None."""

@@ -1,4 +1,4 @@
-"""What the panel knows of the values of a plan: by which path and in which unit it shows them, how far they go, and how they are called."""
+"""Values of a plan in the panel: their paths, units, ranges and names."""
 
 import enum
 from typing import Any, NamedTuple
@@ -15,7 +15,7 @@ from SDFStentLib.plan import (
 
 
 class Placement(enum.Enum):
-    """What the points of a stent's handle mean."""
+    """Meaning of the points of a stent's handle."""
 
     CENTER = "center"
     DISTAL_END = "distal"
@@ -74,7 +74,7 @@ class Placement(enum.Enum):
 
     @property
     def pointCount(self):
-        """How many placed points the handle needs."""
+        """Number of placed points that the handle needs."""
         return 2 if self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE) else 1
 
 
@@ -88,7 +88,7 @@ def _inWords(name):
 
 
 class Range(NamedTuple):
-    """What a number may be, in the library as in the panel, and how it is called."""
+    """Range of a number, in the library as in the panel, and its name."""
 
     low: float
     high: float
@@ -110,7 +110,7 @@ METHOD_PARAMETERS = {
 _WIDEST = parameter_at("stents.diameter").most
 _SHORTENING = parameter_at("stents.foreshortening_fraction")
 SIZING = sizing_parameters()
-"""What a suggestion goes by, by name: the `Parameter` and its default."""
+"""Parameters of a suggestion by name: the `Parameter` and its default."""
 
 RANGES = {
     "diameter": Range(0.1, _WIDEST, "a diameter"),
@@ -162,7 +162,7 @@ REMEDIES = {
     "foreshortening": _(" (in Device, untick As known of the device or move Foreshortening)"),
     "unusual": _(" (in Flow, tick Unusual flow is meant so)"),
 }
-"""What the library's sentences advise, as the panel calls it."""
+"""Remedies that the library's sentences advise, as the panel calls them."""
 
 
 ML_PER_S = 1000 / 60

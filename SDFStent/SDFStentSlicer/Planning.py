@@ -200,7 +200,7 @@ class Planning:
         return None if centerline is None else self.lying(parameterNode, centerline)
 
     def stentEnds(self, parameterNode):
-        """Where the selected stent ends, (2, 3), the proximal one first.
+        """Ends of the selected stent, (2, 3), the proximal one first.
 
         None where its length is not its own to set, and before the centerline is known.
         """

@@ -35,7 +35,7 @@ from .StentList import StentList
 
 
 def plannedOf(parameterNode):
-    """All stents in order as the library's: a number is that of the saved plan, also where stents above are switched off.
+    """Stents in order as the library's: a number is that of the saved plan, also where stents above are switched off.
 
     One that is off may lie nowhere yet; where its sizes do not fit together either it is there by its name.
     """
@@ -61,7 +61,7 @@ def _planned(stents, has_named=False):
 
 
 def placeOf(stent, again=None):
-    """Where a stent is, in RAS, as in the document of a whole plan; None for one that is off and lies nowhere yet.
+    """Place of a stent, in RAS, as in the document of a whole plan; None for one that is off and lies nowhere yet.
 
     `again` is the number of the one that it dilates again. Raises `InputError` where it cannot be said yet.
     """
@@ -129,7 +129,7 @@ def planOf(parameterNode, stents=None, hasFiles=True):
 
 
 def marksOf(parameterNode):
-    """What the plan says of the vessel, in RAS: the library's `Marks`, a root, places of healthy vessel, and names."""
+    """Marks of the plan on the vessel, in RAS: the library's `Marks`, a root, places of healthy vessel, and names."""
     return _marksIn(json.dumps(parameterNode.get("inputs")))
 
 

@@ -141,7 +141,7 @@ class RestedRun:
         return self._run.isRunning or self._timer.isActive()
 
     def follow(self, whose, what):
-        """What is to be done something for now, and on what that depends, None for nothing; called whenever these may have changed.
+        """Follow a change: for whom something is to be done now, and on what that depends, None for nothing; called whenever these may have changed.
 
         For what comes first nothing is done: it is as it was left.
         """

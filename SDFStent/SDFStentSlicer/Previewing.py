@@ -73,7 +73,7 @@ def show(shown, surface, run, signature):
 
 
 class PreviewedVessel:
-    """One vessel on which plans are tried out, in a process beside the application where there is one. No nodes in here.
+    """A vessel on which plans are tried out, in a process beside the application where there is one. No nodes in here.
 
     What is made for it once is made once, whoever waits for it.
     """
@@ -132,7 +132,7 @@ class _State(NamedTuple):
 
 
 class PreviewRun:
-    """What a preview shows, in the words of `Stenting`; it has no steps to go back to."""
+    """Run of a preview, in the words of `Stenting`; it has no steps to go back to."""
 
     recorded = measured = ()
     result = lesions = centerline = None
@@ -151,7 +151,7 @@ class PreviewRun:
 
     @classmethod
     def grown(cls, run, state):
-        """What the only stent of a `Stenting` has grown, by its library's `TreatmentState`."""
+        """Run with the wall that the only stent of a `Stenting` has grown, by its library's `TreatmentState`."""
         moved = state.deployment
         return cls(
             run.surface, _State(moved.indices, moved.coordinates, (state.placed,)), run.places
@@ -164,7 +164,7 @@ class PreviewRun:
 
     @property
     def points(self):
-        """All points of the vessel."""
+        """Points of the vessel."""
         points = self.surface.points.copy()
         points[self.state.indices] = self.state.coordinates
         return points

@@ -1,4 +1,4 @@
-"""What a deployment leaves in the scene: centerline, stents, table, plot, maps and the sentences of the panel."""
+"""Results of a deployment in the scene: centerline, stents, table, plot, maps and the sentences of the panel."""
 
 import json
 
@@ -36,7 +36,7 @@ POSITION = "Position (mm)"
 
 
 def tellMeasuring(parameterNode, run):
-    """What is known of the selected stent before anything is measured."""
+    """Show what is known of the selected stent before anything is measured."""
     with slicer.util.NodeModify(parameterNode):
         parameterNode.expansion = 100.0
         clearNumbers(parameterNode, _("Not measured yet."))
@@ -133,13 +133,13 @@ def showMeasured(parameterNode, run):
 
 
 def _cautions(run):
-    """What has to be known of the stents and of their sizes."""
+    """Cautions on the stents and on their sizes."""
     told = [*run.result.warnings, *run.case.size_cautions(run.label)]
     return [one for one in told if one.kind != "switched-off"]  # the table says so
 
 
 def showSummary(parameterNode, run):
-    """What there is to say of every stent, and of the flow where that is known."""
+    """Show the sentences on every stent, and on the flow where that is known."""
     summaries = [stentSummary(treated, run.lesions) for treated in run.result.stents]
     left = run.case.residual
     headline = [] if left is None else [str(residual_facts(left).named("words"))]
@@ -188,7 +188,7 @@ def showFlow(parameterNode, run):
 
 
 def stentSummary(treated, lesions):
-    """What there is to say of one stent, a line per quantity, with true arrows."""
+    """Sentences on one stent, a line per quantity, with true arrows."""
     told = stent_lines(treated, lesions)
     return "\n".join(
         [_title(treated.stent), *(line.replace("->", "\N{RIGHTWARDS ARROW}") for line in told)]
@@ -221,7 +221,7 @@ def selectedStent(parameterNode, run):
 
 
 def _plotTitle(treated, number):
-    """How a stent is called above its plot: by its name, and by its number when the name is not its own."""
+    """Title of a stent's plot: its name, and its number when the name is not its own."""
     names = [one_line(stent.stent.name) for stent in treated]
     if names[number] and names.count(names[number]) == 1:
         return names[number]

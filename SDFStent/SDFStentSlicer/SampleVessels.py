@@ -46,7 +46,7 @@ def registerSampleData():
 
 
 def _bring(sampleName, name):
-    """What a click in Sample Data does: the vessel and its centerline, and the 3D view looks at them."""
+    """Add the vessel and its centerline by a click in Sample Data, and turn the 3D view to them."""
     nodes = addSampleVessel(sampleName, name)
     layoutManager = slicer.app.layoutManager()
     if layoutManager is not None:

@@ -1,4 +1,4 @@
-"""What the panel follows in the scene: the nodes that a result depends on, and that it is closed or imported into."""
+"""Events of the scene for the panel: changes of nodes that a result depends on, and that it is closed or imported into."""
 
 import slicer
 from slicer.util import VTKObservationMixin

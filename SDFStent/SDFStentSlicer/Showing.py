@@ -1,4 +1,4 @@
-"""What is shown in place of something else, a node or of a segmentation one segment in 3D; plot and table in the views."""
+"""Visibility of one thing in place of another, a node or of a segmentation one segment in 3D; plot and table in the views."""
 
 import contextlib
 
@@ -15,7 +15,7 @@ LINE_COLOR, LINE_WIDTH = (0.15, 0.35, 0.75), 3
 
 @contextlib.contextmanager
 def inOneFrame():
-    """What is changed meanwhile is drawn at its end: where frames take long, views draw one at every single change."""
+    """Draw what changes meanwhile at its end: where frames take long, views draw one at every single change."""
     views = slicer.app.applicationLogic()
     views.PauseRender()
     try:
@@ -25,7 +25,7 @@ def inOneFrame():
 
 
 class HeldFrame:
-    """What changes while it is held is drawn once it is released, or when it was held for as long as a turn may take."""
+    """Frame held while things change: drawn once it is released, or when it was held for as long as a turn may take."""
 
     def __init__(self):
         self._isHeld = False
@@ -236,7 +236,7 @@ def activateTable(table):
 
 
 def followPlan(left, shown):
-    """Where plot or table of the plan that is left are in a view, show those of the other plan, as far as it has them."""
+    """Show plot or table of another plan, as far as it has them, where those of the plan that is left are in a view."""
     selection = slicer.app.applicationLogic().GetSelectionNode()
     (table, other), chart = map(readTable, (left, shown)), left.outputChart
     if None not in (table, other) and selection.GetActiveTableID() == table.GetID():

@@ -62,7 +62,7 @@ class Sighting:
         return wall.with_points(points), [one.placed.lattice(one.radius).curves for one in stents]
 
     def _resultNow(self, parameterNode, standing=None):
-        """What was measured of the plan as it is now, else None."""
+        """Result that was measured of the plan as it is now, else None."""
         run = self.lastRun(parameterNode)
         isOld = run is None or run.result is None or self.hasChanged(parameterNode, standing)
         return None if isOld else run.result

@@ -1,4 +1,4 @@
-"""Where the numbers of lesions stand: beside the vessel, and not on each other as they are seen."""
+"""Places of the numbers of lesions: beside the vessel, and not on each other as they are seen."""
 
 import numpy as np
 from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
@@ -72,7 +72,7 @@ def firstCorner():
 
 
 def besides(lesions, renderer=None, corner=None, former=()):
-    """Where the numbers stand, a row each: beside the vessel as it is seen from the front, where no handle is, and none on another.
+    """Places of the numbers, a row each: beside the vessel as it is seen from the front, where no handle is, and none on another.
 
     Nor is one as the signs are seen by a `vtkRenderer` now, where none is on the `corner` (4,), a box as that of a sign; where there
     is no room, where there is most. One that is on nothing stays at its `former` place, if there are any, unless there is room
@@ -95,7 +95,7 @@ def besides(lesions, renderer=None, corner=None, former=()):
 
 
 def _bestOf(places, room, point, hasFormer):
-    """Which of places (n, 3) with so much room (n,) is the one for a lesion at a point; the first is the former one if there is one."""
+    """Index of the place among (n, 3), with so much room (n,), for a lesion at a point; the first is the former one if there is one."""
     best = int(np.argmax(np.minimum(room, 1.0)))
     if hasFormer and best == 0:
         away = np.linalg.norm(places - point, axis=1)
@@ -119,7 +119,7 @@ def _choices(lesion, renderer):
 
 
 def _signHeight(point, renderer):
-    """How high a sign at a point is as a renderer shows it, mm; 0 without one."""
+    """Height of a sign at a point as a renderer shows it, mm; 0 without one."""
     if renderer is None:
         return 0.0
     rows, aspect = _projection(renderer)
@@ -147,7 +147,7 @@ def isIn(boxes, renderer):
 
 
 def signsApart(boxes, other):
-    """How far signs (n, 4) are from another one (4,): 1 where they touch, less where they lie on each other (n,)."""
+    """Distances (n,) of signs (n, 4) from another one (4,): 1 where they touch, less where they lie on each other."""
     apart = np.abs(boxes[:, :2] - other[:2]) / (boxes[:, 2:] + other[2:])
     return np.nan_to_num(apart.max(axis=1), nan=np.inf)
 

@@ -1,4 +1,4 @@
-"""What the buttons of the section Stents do, and points that the user places by clicking into a view."""
+"""Buttons of the section Stents, and points that the user places by clicking into a view."""
 
 from typing import Any, NamedTuple
 
@@ -94,7 +94,7 @@ class Placing:
 
 
 def endsNeeded(node, former):
-    """How many points a markups needs whose first and last one are wanted."""
+    """Number of points that a markups needs whose first and last one are wanted."""
     return 0 if node.IsA(CURVE) or former > 2 else 2
 
 

@@ -77,7 +77,7 @@ class StentEnds(VTKObservationMixin):
         self._remove()
 
     def _standingOf(self, parameterNode):
-        """All values on which the ends of the stent depend."""
+        """Values on which the ends of the stent depend."""
         stent = stentOf(parameterNode)
         return (
             parameterNode.parameterNode.GetID(),

@@ -17,7 +17,7 @@ class StentList:
         self.parameterNode = parameterNode
 
     def values(self):
-        """All stents as dictionaries, in order."""
+        """Stents as dictionaries, in order."""
         return [{**one.draft.entry, "handle": one.handle} for one in stentsOf(self.parameterNode)]
 
     def __len__(self):

@@ -1,4 +1,4 @@
-"""One pass over the plan's stents on arrays: every step recorded, then measured and certified. No nodes in here."""
+"""A pass over the plan's stents on arrays: every step recorded, then measured and certified. No nodes in here."""
 
 from typing import Any, NamedTuple
 
@@ -86,7 +86,7 @@ class Stenting:
         return () if self.result is None else self.result.stents
 
     def label(self, number):
-        """How a message names a stent of the plan."""
+        """Name of a stent of the plan in messages."""
         return self._treatment.label(number)
 
     def lines(self):
@@ -133,7 +133,7 @@ class Stenting:
             self.flowRemark = str(error)
 
     def at(self, percent):
-        """All points at a percentage of the way, and a `DrawnStent` for every stent that is there by then.
+        """Points at a percentage of the way, and a `DrawnStent` for every stent that is there by then.
 
         Between two recorded steps of a stent both are interpolated.
         """

@@ -12,7 +12,7 @@ from .Portions import inPortions, untilDone
 from .StentList import StentList
 
 KEPT = ("name", "keeps", "shape", "may_be_shortened", "redilation")
-"""What a stent that is sized anew has further on."""
+"""Values of its entry that a stent keeps when it is sized anew."""
 
 
 class Suggesting:

@@ -1,4 +1,4 @@
-"""What the scene shows of a parameter set: the stented vessel, which follows every step, and of which plan it is."""
+"""Stented vessel in the scene, which follows every step, and the plan that it is of."""
 
 import numpy as np
 from slicer.i18n import tr as _

@@ -22,7 +22,7 @@ CAUTIONS = {
 
 
 def tilesOf(parameterNode):
-    """What the last deployment, or its preview, has left to be read at a glance."""
+    """Tiles that the last deployment, or its preview, has left to be read at a glance."""
     return [Tile(*values) for values in json.loads(parameterNode.tiles or "[]")]
 
 

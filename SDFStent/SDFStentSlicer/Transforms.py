@@ -1,4 +1,4 @@
-"""What a node's transform does to it on the way to world coordinates."""
+"""Transform of a node to world coordinates."""
 
 import numpy as np
 import slicer
@@ -51,7 +51,7 @@ def scaleToWorld(node):
 
 
 def matrixToWorld(node):
-    """Where the transform of a node brings it, (4, 4); None for one that is not linear."""
+    """Matrix (4, 4) of a node to world coordinates; None for a transform that is not linear."""
     transform, matrix = node.GetParentTransformNode(), vtkMatrix4x4()
     if transform is not None:
         if not transform.IsTransformToWorldLinear():

@@ -22,7 +22,7 @@ class TypedNumbers:
 
 
 class TypedNumber:
-    """One spin box and what is typed into its `edit`."""
+    """A spin box and what is typed into its `edit`."""
 
     def __init__(self, edit, attempt):
         self._edit, self._box, self._attempt = edit, edit.parent(), attempt
@@ -59,7 +59,7 @@ class TypedNumber:
             self._box.setProperty("value", value)
 
     def _numberOf(self, typed):
-        """What was typed as a number; None for what is none. A special text stands for the least one."""
+        """Number that was typed; None for what is none. A special text stands for the least one."""
         if typed.strip() == self._box.property("specialValueText").strip() != "":
             return self._box.property("minimum")
         try:
@@ -69,7 +69,7 @@ class TypedNumber:
         return value if math.isfinite(value) else None
 
     def _wordsOf(self, typed):
-        """What was typed, without units: that of the box stays when all else is deleted, and one may have been typed."""
+        """Text that was typed, without units: that of the box stays when all else is deleted, and one may have been typed."""
         text, unit = typed.strip(), self._box.property("suffix").strip()
         # Ends: every turn takes some of the text.
         while unit and text.endswith(unit):

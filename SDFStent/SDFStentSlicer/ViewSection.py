@@ -102,7 +102,7 @@ class ViewSection(VTKObservationMixin):
             self._follow()
 
     def _follow(self):
-        """What is seen may be another thing now: an old film goes at once, and what is told of it; a new one comes at rest."""
+        """Follow what is seen, which may be another thing now: an old film goes at once, and what is told of it; a new one comes at rest."""
         what = self._what()
         if what != self._seen:
             self._seen = what

@@ -39,7 +39,7 @@ words there."""
 
 
 class Console:
-    """Where sentences are printed, and how many of them."""
+    """Output of a command: sentences, as many as the options ask for."""
 
     def __init__(self, options: argparse.Namespace | None = None, *, quiet: bool = False) -> None:
         self.remedies, self.quiet = remedies_of(options), quiet

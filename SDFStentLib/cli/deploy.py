@@ -282,7 +282,7 @@ class _PlanJob:
 
     @cached_property
     def _voxels(self) -> VoxelRange | None:
-        """What half a voxel makes, where that was asked for."""
+        """Ranges of numbers within half a voxel, where these were asked for."""
         if self.half_voxel is None:
             return None
         with self.console.progress("Deploying half a voxel in and out") as show:

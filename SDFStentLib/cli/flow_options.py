@@ -41,7 +41,7 @@ NETWORKS = ("before.json", "after.json")
 
 
 def add_flow(command: argparse.ArgumentParser) -> None:
-    """What it is for, what is known of the patient, and what is written."""
+    """Add description and options: the vessel, flow data of the patient, and outputs."""
     command.description = (
         "Pressures and flows in a vessel tree before a plan and after it: the pressure at the "
         "inlet, the drop over each narrowing and the flow to each main branch, with their ranges, "
@@ -69,7 +69,7 @@ def add_flow(command: argparse.ArgumentParser) -> None:
 
 
 def add_known(command: argparse.ArgumentParser) -> None:
-    """What is known of flow and pressures before treatment."""
+    """Add options for flow and pressures before treatment."""
     add_table(
         command.add_argument_group("what is known of flow before treatment"),
         """\
@@ -89,7 +89,7 @@ def add_known(command: argparse.ArgumentParser) -> None:
 
 
 def add_simulate(command: argparse.ArgumentParser) -> None:
-    """What is cut and meshed, what is known of flow, and what is read."""
+    """Add description and options: the segment and its mesh, flow data, and results to read."""
     command.description = (
         "Flow in three dimensions before a stent and after it: the segment round the stent is cut, "
         "meshed (MMG, TetGen) and solved by svMultiPhysics where that is installed; pressures, "
@@ -123,7 +123,7 @@ def add_simulate(command: argparse.ArgumentParser) -> None:
 
 
 def known_of(options: argparse.Namespace, console: Console) -> Known | None:
-    """What the options tell of the patient's flow; None where they tell nothing.
+    """Flow data of the patient in the options; None where they have none.
 
     A place is in the units of the console. How the rows of a wave were taken is said.
 
@@ -175,7 +175,7 @@ def _wave(file: str, console: Console, cycle: float | None, *, needs_unit: bool 
 
 
 def _inflow(text: str, console: Console, cycle: float | None) -> Inflow:
-    """What an option tells of one inlet: NAME=Q, or NAME=F with the file of a wave."""
+    """Flow at one inlet from an option: NAME=Q, or NAME=F with the file of a wave."""
     name, sign, told = (part.strip() for part in text.rpartition("="))
     if not (name and sign and told):
         raise InputError(

@@ -43,7 +43,7 @@ HOW = (
     "; --smallest-vessel 0 lists them",
     "--verbose tells more, and what each is measured against; --json and --csv F have them all.",
 )
-"""How lesions in small vessels are listed, and how all."""
+"""Options that list lesions in small vessels, and all."""
 
 _PROBE_DIAMETER = 1.0
 """Diameter of the stent that stands for the place to be measured, mm; any number will do."""

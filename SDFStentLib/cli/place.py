@@ -173,7 +173,7 @@ def plan_of(
 
 
 def inputs_of(options: argparse.Namespace) -> InputFiles:
-    """What is read of the surface, and of a centerline with its root and reference.
+    """Surface, and centerline with its root and reference, as read from the options' files.
 
     `InputError` where another frame is named than the file says.
     """
@@ -233,12 +233,12 @@ def reference_of(options: argparse.Namespace) -> tuple[NDArray[np.float64], ...]
 
 
 def names_of(options: argparse.Namespace) -> tuple[VesselName, ...]:
-    """What the user calls the vessels."""
+    """Names of the vessels by the user."""
     return () if options.names is None else load_names(options.names, options.units)
 
 
 def option_of(name: str) -> str:
-    """How an option of the namespace is written."""
+    """Spelling of an option of the namespace on the command line."""
     return "--" + name.replace("_", "-")
 
 

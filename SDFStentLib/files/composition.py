@@ -129,7 +129,7 @@ class _SurfaceParts:
         return Surface(*compacted(self._points, self._triangles[self.faces(part)]))
 
     def wholly_in(self, host: Surface, some: Indices) -> Indices:
-        """Those of some parts (k,) that lie in another surface with every point."""
+        """The parts among some (k,) that lie in another surface with every point."""
         if not len(some):
             return some
         own = [self.faces(part) for part in some]

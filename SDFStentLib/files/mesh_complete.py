@@ -130,7 +130,7 @@ def tetrahedra_at(surface: Surface, volume: VolumeMesh) -> Indices:
 
 
 def _keys(corners: Indices, count: int) -> Indices:
-    """One number for three points in any order; it fits for up to two million points."""
+    """A number for three points in any order; it fits for up to two million points."""
     low, middle, high = np.sort(corners.astype(np.int64), axis=1).T
     return np.asarray((low * count + middle) * count + high)
 

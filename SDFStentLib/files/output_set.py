@@ -103,7 +103,7 @@ def commit(outputs: Sequence[tuple[StagingFolder, str]]) -> None:
 
 
 def unfinished(folder: Path) -> list[str]:
-    """What a run was to write into a folder, and has not: it is still writing, or was cut off.
+    """Names of outputs that a run has not written into a folder yet: it goes on, or was cut off.
 
     Some of its outputs may be there and others not yet. What was written since is not told.
     """

@@ -1,4 +1,4 @@
-"""What kind of file it is, judged by its first bytes, whatever its name says."""
+"""Kind of a file, judged by its first bytes, whatever its name says."""
 
 from __future__ import annotations
 

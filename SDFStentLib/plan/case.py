@@ -170,7 +170,7 @@ class CaseOutcome:
     found: tuple[Lesion, ...] | None
     """The lesions of the vessel before treatment; None without a centerline."""
     left: tuple[TreatedLesion, ...] | None = None
-    """Those lesions after treatment, where they are known already."""
+    """The lesions after treatment, where these are known already."""
 
     @cached_property
     def lesions(self) -> tuple[TreatedLesion, ...] | None:

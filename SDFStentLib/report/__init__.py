@@ -1,4 +1,4 @@
-"""What is handed on: a document, a page, figures and pictures."""
+"""Reports that are handed on: a document, a page, figures and pictures."""
 
 from .changes import check_facts as check_facts
 from .changes import file_facts as file_facts

@@ -20,15 +20,15 @@ Lines = tuple[str, ...]
 
 
 class ComparedRow(NamedTuple):
-    """One line of the table: plain text, nothing escaped."""
+    """A line of the table: plain text, nothing escaped."""
 
     title: str
     note: str
-    """Below the title: what is the same for all plans, such as the state before treatment."""
+    """Words below the title that hold for all plans, such as the state before treatment."""
     cells: tuple[Lines, ...]
-    """Per plan, what there is to say; nothing of a plan that could not be carried out."""
+    """Lines per plan; none for a plan that could not be carried out."""
     is_good: tuple[bool, ...] | None = None
-    """Per plan, in the row with the verdicts."""
+    """Verdict per plan, in the row with the verdicts."""
 
     @property
     def is_empty(self) -> bool:
@@ -102,7 +102,7 @@ def _labels(stents: Sequence[Facts]) -> list[str]:
 
 
 def _stents(document: Section) -> Lines:
-    """What they are, under their whole titles."""
+    """Words for the stents of a plan, under their whole titles."""
     stents = document["stents"]
     titles = stent_titles([one.as_dict() for one in stents])
     shown = ["" if title == "Stent" else f"{title}. " for title in titles]
@@ -123,7 +123,7 @@ def _cell(label: str, _document: Section, stent: Facts) -> str:
 
 
 def _lesions(documents: Sequence[Section | None]) -> list[ComparedRow]:
-    """What is left of every lesion that a plan changes, and that the others stay."""
+    """Rows with the stenosis left of every lesion that a plan changes, and one for all others."""
     known = [one["lesions"] for one in documents if one is not None and one["lesions"] is not None]
     if not known:
         return [_of_each("Lesions", documents, lambda _: (NOT_LOOKED_FOR,))]

@@ -1,4 +1,4 @@
-"""What lies beside a stent: side branches, and wall that it does not touch."""
+"""Branches beside a stent, and wall that it does not touch."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
 
 
 def again_words(number: int | None) -> str:
-    """What became of a stent that a later one of the plan is once more."""
+    """Words for a stent that a later one of the plan is once more."""
     return f"dilated again as stent {number}"
 
 
 def again_as(stent: TreatedStent) -> str:
-    """The same of a treated stent, by the rows of who reads of it; "" where it is not once more."""
+    """Words for such a treated stent, by the rows of who reads of it; "" for another one."""
     if stent.again is None:
         return ""
     return "dilated again at once" if stent.again_row == stent.row else again_words(stent.again_row)
 
 
 def beside_facts(stent: TreatedStent) -> Iterator[Fact]:
-    """What lies beside a stent: its branches, of which a table has the one that is covered most and
-    the one that lost most, and the wall that the stent does not touch."""
+    """Facts on the branches beside a stent, of which a table has the one that is covered most and
+    the one that lost most, and on the wall that the stent does not touch."""
     names, found = [one.name for one in stent.branches], stent.apposition
     yield Fact(after=math.nan if found is None else found.free_length, column="free_length_mm")
     yield Fact(after="; ".join(names), column="branches")
@@ -106,7 +106,7 @@ def branch_table(branches: Sequence[Facts]) -> list[str]:
 
 
 def _lumen_words(before: float | None, after: float | None) -> str:
-    """What became of its lumen."""
+    """Words for a branch's lumen before and after treatment."""
     if before is None or after is None or math.isnan(before) or math.isnan(after):
         return "unchanged or not followed"
     return f"{millimeters(before)} before, {millimeters(after)} after"
@@ -143,7 +143,7 @@ def apposition_table(stretches: Sequence[Facts]) -> list[str]:
 
 
 def branches_fact(stents: Sequence[TreatedStent]) -> Fact:
-    """Which side branches are covered or narrowed, and how many."""
+    """Fact on the side branches that are covered or narrowed, and their numbers."""
     every, several = branches_beside(stents), len(stents) > 1
     covered = [one for one in every if not one.ostium.is_free]
     narrowed = sum(one.lumen is not None and one.lumen.is_narrowed for one in every)
@@ -196,7 +196,7 @@ def _kind(what: str, names: Sequence[str]) -> Iterable[str]:
 
 
 def contact_fact(stents: Sequence[TreatedStent]) -> Iterator[Fact]:
-    """How much of the stents does not touch the wall; nothing where that was not looked for."""
+    """Fact on the length of stents off the wall; none where that was not looked for."""
     found = {one.number: one.apposition for one in stents if one.apposition is not None}
     if not found:
         return
@@ -218,7 +218,7 @@ def contact_fact(stents: Sequence[TreatedStent]) -> Iterator[Fact]:
 
 
 def of_each(words: Mapping[int, str], is_numbered: bool | None = None) -> str:
-    """What there is of stents by number; of one alone without it."""
+    """Words for stents by number; for one alone without it."""
     is_numbered = len(words) > 1 if is_numbered is None else is_numbered
     told = [f"stent {one}: {said}" if is_numbered else said for one, said in words.items()]
     return listed(told, "; ")

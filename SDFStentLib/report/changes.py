@@ -1,5 +1,5 @@
-"""What is told of surfaces: of which files they are, whether they are sound, by which settings a
-result was made of them, and what became of the triangles."""
+"""Facts on surfaces: their files, whether they are sound, the settings by which a result was made
+of them, and the change of their triangles."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _TRIANGLES = {
     "degenerate_triangles": "have no height",
     "sliver_triangles": "have an angle below 1 degree, which is no fault",
 }
-"""What faulty ones are said to be, by their keys, in the order in which they are told."""
+"""Words for faulty triangles by their keys, in the order in which they are told."""
 
 
 def input_facts(result: PlanResult) -> list[Facts]:
@@ -100,7 +100,7 @@ def _setting(name: str, unit: str, value: Any) -> Fact:
 
 
 def change_facts(result: PlanResult) -> Facts:
-    """What moved, and how large its triangles were and are."""
+    """Facts on what moved, and on the size of its triangles before and after."""
     return Facts(_changes(result))
 
 
@@ -172,7 +172,7 @@ def _range(spread: Mapping[str, float | None], unit: str, digits: int) -> str:
 
 
 def file_facts(surface: SurfaceFile) -> Facts:
-    """Which file it is, and how much is in it."""
+    """Facts on a file: its name and hash, and the size of its surface."""
     return Facts(
         (
             Fact("file", after=os.fspath(surface.path)),

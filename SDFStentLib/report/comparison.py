@@ -103,7 +103,7 @@ def comparison_pictures(
 
 
 def comparison_page(document: Mapping[str, Any], pictures: Sequence[bytes] | str = ()) -> str:
-    """One self-contained page, for paper A4 across: pictures by one camera, and a table.
+    """A self-contained page, for paper A4 across: pictures by one camera, and a table.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def _row(row: ComparedRow) -> str:
 
 
 def _footnotes(alternatives: Sequence[Mapping[str, Any]]) -> str:
-    """What the words mean, and the note on pressure where there is some."""
+    """Meaning of the words, and the note on pressure where there is some."""
     said = [f"<b>{name}</b>: {escape(DEFINITIONS[name])}" for name in EXPLAINED]
     reports = [one["report"] for one in alternatives if one["report"] is not None]
     if any(report.sections["flow"] for report in reports):

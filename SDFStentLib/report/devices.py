@@ -14,7 +14,7 @@ NO_SOURCE = "none: it is no product, its numbers are assumptions"
 
 
 def device_facts(device: Device | None) -> Iterator[Fact]:
-    """Which device a stent is, and where the numbers of it are from."""
+    """Facts on the device of a stent, and the source of its numbers."""
     yield Fact(after="" if device is None else device.name, column="device")
     if device is None:
         yield Fact("device")
@@ -90,7 +90,7 @@ def _known(device: Device) -> list[str]:
 
 
 def device_sentences(stent: Stent) -> list[str]:
-    """Which device a stent is, how long it becomes, and where that is from; none without one."""
+    """Sentence on a stent's device, its length, and the source of that; none without a device."""
     device = stent.device
     if device is None:
         return []
@@ -119,7 +119,7 @@ def _sizes(stent: Stent, device: Device) -> str:
 
 
 def source_words(device: Device) -> str:
-    """Where the numbers of a row are from, and whether they are verified."""
+    """Source of the numbers of a row, and whether they are verified."""
     if not device.source:
         return NO_SOURCE if device.generic else UNKNOWN
     date = f" ({device.source_date})" if device.source_date else ""

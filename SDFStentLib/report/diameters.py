@@ -32,7 +32,7 @@ class MeasuredLine(NamedTuple):
 
 
 def line_facts(line: MeasuredLine, units: str = "mm") -> Facts:
-    """What was measured along a line, at every place; `units` are those of the file."""
+    """Facts on the diameters along a line, at every place; `units` are those of the file."""
     profile, points = line.profile, line.line.points
     ends = " to ".join(filed_point(points[end], units) for end in (0, -1))
     words = f"{line.title}: {line.line.length:.1f} mm, from {ends} {units}"
@@ -90,7 +90,7 @@ def prescribed_words(treated: TreatedStent) -> str:
 
 
 def lumen_facts(treated: TreatedStent) -> Iterator[Fact]:
-    """How wide the vessel was and is along a stent, over its length and beyond its ends."""
+    """Facts on the lumen before and after, along a stent and beyond its ends."""
     before, after, own = treated.before, treated.after, treated.before.arc_length
     narrow, over = "diameters.minimum_lumen", "diameters.over_stented_length"
     wanted = treated.prescribed(own)

@@ -1,5 +1,5 @@
-"""What is told of a subject: every quantity once, as a `Fact`. Documents, tables, lines and tiles
-are views of facts.
+"""Facts on a subject: every quantity once, as a `Fact`. Documents, tables, lines and tiles are
+views of facts.
 
 A function per subject lists them, such as `stent_facts`; a new number is one more of them.
 """
@@ -14,12 +14,13 @@ import numpy as np
 from .words import UNKNOWN, millimeters, number_text
 
 GLANCE, COMPARED, LINES, DETAILS = LEVELS = range(4)
-"""Where a fact is told first: at a glance, on tiles and beside the stent; in the comparison of
-plans; in the lines of shell and panel; in the report only. It is told in all later places, too."""
+"""Levels by where a fact is told first: at a glance, on tiles and beside the stent; in the
+comparison of plans; in the lines of shell and panel; in the report only. It is told in all later
+places."""
 
 
 class Tile(NamedTuple):
-    """One quantity of a result: its value large, its name small, before and reference beneath."""
+    """A quantity of a result: its value large, its name small, before and reference beneath."""
 
     name: str
     value: str
@@ -29,13 +30,13 @@ class Tile(NamedTuple):
 
 
 class Fact(NamedTuple):
-    """One quantity of a result."""
+    """A quantity of a result."""
 
     key: str = ""
     """Its place in a document: names from the outside in, between dots; `{}` is before or after.
     A fact whose key begins with an underscore is in no document."""
     label: str = ""
-    """What it is called. A fact without a label is a sentence, or is for programs only."""
+    """Its name for a reader. A fact without a label is a sentence, or is for programs only."""
     before: Any = None
     """The value before; None where treatment does not change it, NaN where it is not known."""
     after: Any = None
@@ -46,7 +47,7 @@ class Fact(NamedTuple):
     """The value before treatment in words, empty where treatment does not change it."""
     level: int = DETAILS
     note: str = ""
-    """What follows the values in a line."""
+    """Words that follow the values in a line."""
     column: str = ""
     """Its column in a table with a row per result; `{}` is before or after, of a place x, y, z."""
     short: str = ""
@@ -54,13 +55,13 @@ class Fact(NamedTuple):
     tile: str = ""
     """and on its tile."""
     worst: Callable[..., Any] = min
-    """Which of several stents a tile tells: that with the smallest value, or the largest, `max`."""
+    """Choice of the stent for a tile: that with the smallest value, or the largest, `max`."""
     few: str = ""
     """The value in few words, with its unit, where these are not the number to a tenth."""
     hand: str | None = None
     """The line beside the stent, where that is not its name and values; empty for none."""
     beneath: str | None = None
-    """What stands beneath the value on its tile, where that is not the one before and the note."""
+    """Words beneath the value on its tile, where these are not the one before and the note."""
     is_caution: bool = False
     """Whether it has to be known before one relies on the others."""
 
@@ -129,7 +130,7 @@ class Facts(tuple[Fact, ...]):
         return next(one for one in self if one.key == key)
 
     def value(self, key: str) -> Any:
-        """What one came to; None without such a fact."""
+        """Value after treatment of the fact with a key; None without such a fact."""
         return next((one.after for one in self if one.key == key), None)
 
     def as_dict(self) -> dict[str, Any]:
@@ -165,7 +166,7 @@ class Facts(tuple[Fact, ...]):
         ]
 
     def at(self, level: int) -> list[Fact]:
-        """What is told at a level and at those before it."""
+        """Facts with words of a level and of those before it."""
         return [one for one in self if one.level <= level and one.words]
 
     @property

@@ -72,7 +72,7 @@ QUASI_STEADY = (
 
 
 def flow_document(answer: FlowAnswer, inputs: Mapping[str, Any]) -> dict[str, Any]:
-    """All that is told, for a program, with the files by name."""
+    """Document of the flow, for a program, with the files by name."""
     return {
         "schema": "sdfstent-flow",
         "version": 1,
@@ -168,7 +168,7 @@ def _triple(band: Band | None) -> dict[str, float] | None:
 
 
 def flow_moments(section: Section, most: int | None = None) -> Moments:
-    """What is told at the mean flow and at its peak: a heading, and facts.
+    """Facts at the mean flow and at its peak, each under a heading.
 
     Of the narrowings the first ones, `most`.
     """
@@ -193,7 +193,7 @@ def flow_sentences(section: Section, most: int | None = None) -> list[str]:
 
 
 def flow_line(section: Section) -> str:
-    """What a plan does at the mean flow, in one line: of narrowings the stents are told."""
+    """Line on a plan's flow at the mean: of narrowings it has the stents."""
     facts = flow_facts(section, "mean", stents_in(section))
     told = "; ".join(f"{one.label} {one.change}" for one in facts)
     return f"{_at('mean', section)}, estimated: {told or 'nothing to tell'}."
@@ -213,7 +213,7 @@ def flow_columns(section: Section, number: int) -> dict[str, float]:
 
 
 def stents_in(section: Section) -> int:
-    """How many of the narrowings, the first ones, are stents."""
+    """Number of the narrowings, the first ones, that are stents."""
     narrowings = section["before"]["mean"]["narrowings"]
     return sum(one["name"].startswith("stent ") for one in narrowings)
 
@@ -229,7 +229,7 @@ def _at(moment: str, section: Section) -> str:
 
 
 def flow_facts(section: Section, moment: str, most: int | None = None) -> Facts:
-    """What is told at the mean flow, or at its peak; of the narrowings the first ones, `most`."""
+    """Facts at the mean flow, or at its peak; of the narrowings the first ones, `most`."""
     return Facts(_facts(section, moment, most))
 
 
@@ -258,8 +258,8 @@ def _held(known: Section) -> str:
 
 
 def _shares(states: Sequence[Section], held: str) -> Iterator[Fact]:
-    """How the flow divides; the side that gains most is told first, unless the split is `held`: as
-    much before as after, whatever the stent does."""
+    """Facts on the division of flow; the side that gains most is told first, unless the split is
+    `held`: as much before as after, whatever the stent does."""
     facts, note = [], held and f", {held}"
     for side in states[0]:
         more = {"column": f"flow_{side.replace(' ', '_')}_{{}}_percent", "note": note}
@@ -284,7 +284,7 @@ def _drop(name: str, states: Sequence[Section]) -> Fact:
 
 
 def _of_inlets(states: Sequence[Section]) -> Iterator[Fact]:
-    """What is lost from each of several inlets to the outlets, before and after."""
+    """Facts on losses from each of several inlets to the outlets, before and after."""
     for number, inlet in enumerate(states[0]["inlets"]):
         each = [one["inlets"][number] for one in states]
         drops = _banded("", _each(each, "drop_mmhg"), "mmHg").change
@@ -316,7 +316,7 @@ def _banded(
 
 
 def _wave_words(wave: Section, known: Section) -> str:
-    """All that shows a wrong unit."""
+    """Words for a wave, by which a wrong unit is seen."""
     return (
         f"mean {known['mean_flow_ml_s']:.3g}, peak {known['peak_flow_ml_s']:.3g} mL/s, "
         f"regurgitant fraction {100 * wave['regurgitant_fraction']:.0f} %, a cycle of "
@@ -333,7 +333,7 @@ def _notes(answer: FlowAnswer) -> list[str]:
 
 
 def _inlet_notes(inlets: Inlets) -> list[str]:
-    """Which inlets were taken where there are several, and which were closed."""
+    """Notes on the inlets taken where there are several, and on those that were closed."""
     told = []
     if inlets.closed:
         one = len(inlets.closed) == 1

@@ -33,7 +33,7 @@ COMPARED = (LUMEN, STENOSIS, BRANCHES, SURFACE)
 
 
 def preview_facts(numbers: Sequence[PreviewedNumbers], lesions: Sequence[Lesion] = ()) -> Facts:
-    """What some stents of a preview do, all of it about.
+    """Facts on some stents of a preview, all of them approximate.
 
     Parameters
     ----------

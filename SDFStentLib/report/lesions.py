@@ -1,4 +1,4 @@
-"""What is told of lesions, before and after treatment."""
+"""Facts on lesions, before and after treatment."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ COLUMNS = (
 
 
 def lesion_facts(number: int, lesion: Lesion, units: str = "mm") -> Facts:
-    """What is known of a lesion; branches count from 1, places are in mm and as filed."""
+    """Facts on a lesion; branches count from 1, places are in mm and as filed."""
     return Facts(_facts(number, lesion, units))
 
 
@@ -66,7 +66,7 @@ def treated_lesion_facts(treated: TreatedLesion, units: str = "mm") -> Facts:
 
 
 def _left_words(treated: TreatedLesion) -> str:
-    """What is left of it, beside what other plans leave."""
+    """Words for a lesion's residual stenosis, beside that of other plans."""
     after, covered = treated.after, "" if treated.stents else "; not stented"
     degrees = degrees_text(after.percent_diameter, after.percent_area)
     return f"{degrees}{covered}.{_left_note(treated)}"
@@ -134,7 +134,7 @@ def _healthy(place: HealthyPlace | None) -> dict[str, Any] | None:
 
 
 def residual_facts(residual: Residual) -> Facts:
-    """What is narrowest in the treated vessels, and where."""
+    """Facts on the residual stenosis of the treated vessels, and its place."""
     sizes = f"{residual.minimum:.2f} of {residual.reference:.2f} mm"
     words = f"{degree_text(residual.percent, sizes)}, {residual.place()}"
     if math.isnan(residual.percent):
@@ -155,7 +155,7 @@ def residual_facts(residual: Residual) -> Facts:
 
 
 def degree_fact(treated: TreatedLesion, kind: str = "diameter") -> Fact:
-    """How much narrower than its reference a lesion is, by `diameter` or by `area`."""
+    """Fact on a lesion's stenosis in percent, by `diameter` or by `area`."""
     was, left = (getattr(one, f"percent_{kind}") for one in (treated.before, treated.after))
     label = f"Lesion {treated.number}, {kind} stenosis"
     return Fact("", label, was, left, "", degree_text(left), degree_text(was))
@@ -201,7 +201,7 @@ def lesions_by_size(lesions: Sequence[Lesion], smallest: float) -> tuple[list[in
 
 
 def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) -> list[str]:
-    """What a stent did to the lesions that it covers, or that it covers none."""
+    """Sentences on the lesions that a stent covers, or that it covers none."""
     if lesions is None:
         return [NOT_LOOKED_FOR]
     covered = [one for one in lesions if stent in one.stents]
@@ -215,7 +215,7 @@ def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) 
 
 
 def _left_note(treated: TreatedLesion) -> str:
-    """What else there is to say of what is left of a covered lesion, after a full stop."""
+    """Further sentence on the rest of a covered lesion, after a full stop; empty without one."""
     if math.isnan(treated.after.percent_diameter):
         return f" What is left of it is {UNKNOWN}: {LINE_LOST}."
     return LEFT_BEYOND if treated.is_left_beyond and treated.stents else ""
@@ -234,14 +234,14 @@ def stent_lesions(lesions: Sequence[Facts] | None, stent: Mapping[str, Any]) -> 
 
 
 def covered_words(lesions: Sequence[Facts] | None) -> str:
-    """What a stent's lesions are measured against, or why there is no percentage."""
+    """Words for the reference of a stent's lesions, or why there is no percentage."""
     if lesions is None:
         return NOT_LOOKED_FOR
     return " ".join(one.named("_against").words for one in lesions) or COVERS_NONE
 
 
 def lesion_table(lesions: Sequence[Facts] | None) -> list[str]:
-    """All lesions of the vessel, with what is left of each."""
+    """Table of the vessel's lesions, with the residual stenosis of each."""
     if lesions is None:
         return []
     title = heading("Lesions of the vessel")

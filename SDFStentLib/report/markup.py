@@ -58,7 +58,7 @@ def page(title: str, parts: Iterable[str], style: str = PAGE_STYLE) -> str:
 
 
 def beginning(title: str, document: Mapping[str, Any], of: str = "") -> list[str]:
-    """What every page begins with: title, of which file and when, and that it is for research."""
+    """Head of a page: title, its file and time, and that it is for research."""
     parts = [f"<h1>{escape(title)}</h1>"]
     if of:
         when = document["created"].replace("T", " ").replace("+00:00", " UTC").replace("Z", " UTC")
@@ -126,7 +126,7 @@ def moments_table(moments: Moments) -> str:
 
 
 def notes_part(document: Mapping[str, Any]) -> list[str]:
-    """What has to be known of the numbers."""
+    """Notes that a reader of the numbers needs."""
     return [paragraph(note, "small") for note in document["notes"]]
 
 

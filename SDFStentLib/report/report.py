@@ -69,7 +69,7 @@ DEFINITIONS = {
 
 
 class Report(NamedTuple):
-    """What is told of a plan that was carried out, as `plan_report` makes it."""
+    """Report of a plan that was carried out, as `plan_report` makes it."""
 
     sections: Mapping[str, Any]
     """Sections by name, as facts and plain values: what there is to tell, in documents and
@@ -190,7 +190,7 @@ def plan_report(
 
 
 def _subjects(result: PlanResult, units: str, *, arrays_kept: bool) -> dict[str, Any]:
-    """What there is to tell of the result, subject by subject."""
+    """Facts on the result, subject by subject."""
     judged = result.treatment.certificate
     treated, frame = result.told.stents, result.inputs.surface.frame
     stents = [stent_facts(one, result.lesions, units, frame) for one in treated]

@@ -24,7 +24,7 @@ from .words import RESEARCH_USE, UNKNOWN, document_json, millimeters, number_tex
 
 SUMMARY = "segment.json"
 SEGMENT_FILES = frozenset({SUMMARY, "before", "after"})
-"""What is in the folder of a segment."""
+"""Names of the files and folders of a segment."""
 
 UNITS = "cm"
 """The unit of lengths in the document, as in the files beside it."""
@@ -87,7 +87,7 @@ def segment_document(found: ExtractedSegment, inputs: Mapping[str, Any]) -> dict
 
 
 def segment_sentences(found: ExtractedSegment) -> list[str]:
-    """What the shell and the panel say of a segment, before and after."""
+    """Sentences of shell and panel on a segment, before and after."""
     closed = [plane.name for plane in found.planes if plane.is_closed]
     said = [f"Closed {len(closed)} of its branches: {'; '.join(closed)}."] if closed else []
     for name, segment in (("Before", found.before), ("After", found.after)):
@@ -97,7 +97,7 @@ def segment_sentences(found: ExtractedSegment) -> list[str]:
 
 
 def segment_facts(segment: Segment) -> Facts:
-    """What is known of a segment in one state, with two sentences on it."""
+    """Facts on a segment in one state, with two sentences on it."""
     caps = [face for face in segment.faces if face.kind != "wall"]
     ends = ", ".join(f"{face.name} {face.area / _SCALE**2:.3f} cm2" for face in caps)
     volume = segment.volume / _SCALE**3
@@ -130,7 +130,7 @@ def segment_facts(segment: Segment) -> Facts:
 PREPARED_FILES = frozenset(
     {"surface.vtp", "centerline.vtp", "prepared.png", "prepared.json", "prepared.html"}
 )
-"""What is in the folder of a prepared vessel."""
+"""Names of the files of a prepared vessel."""
 
 STEPS = (
     "The largest part of the label was kept, hollows in it filled.",
@@ -145,7 +145,7 @@ STEPS = (
 def prepared_document(
     made: PreparedVessel, inputs: Mapping[str, Any], outputs: Mapping[str, str]
 ) -> dict[str, Any]:
-    """All that is known of a prepared vessel, for a program.
+    """Document of a prepared vessel, for a program.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def prepared_document(
 
 
 def prepared_sentences(made: PreparedVessel) -> list[str]:
-    """What the shell says of a prepared vessel."""
+    """Sentences of the shell on a prepared vessel."""
     return list(_prepared_facts(made).sentences)
 
 

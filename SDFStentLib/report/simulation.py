@@ -41,7 +41,7 @@ NO_COARSE = "The coarser mesh was not solved: nothing tells how far the mesh dec
 
 
 def mesh_sentences(prepared: Prepared) -> list[str]:
-    """What the shell says of the meshes, before and after."""
+    """Sentences of the shell on the meshes, before and after."""
     said = [_mesh_words(name, state_section(one)) for name, one in prepared.states.items()]
     said += _pressure_words(prepared.level)
     for name, by in prepared.extensions.items():
@@ -71,7 +71,7 @@ def _pressure_words(level: float | None) -> list[str]:
 
 
 def simulation_document(found: Simulated) -> dict[str, Any]:
-    """All that is told, for a program."""
+    """Document of a simulation's results, for a program."""
     made = found.document
     return {
         "schema": "sdfstent-simulation-results",
@@ -152,7 +152,7 @@ def _network(made: Section, name: str) -> dict[str, Any]:
 
 
 def simulation_moments(document: Section) -> Moments:
-    """What is told at the mean flow, and at the peak of a wave: a heading, and facts."""
+    """Facts at the mean flow, and at the peak of a wave, each under a heading."""
     states = [document[name] for name in STATES]
     return [
         (f"At the {moment} flow", Facts(_facts(document, [state[moment] for state in states])))

@@ -1,4 +1,4 @@
-"""How the diameters of stent, balloon and vessel compare, and what is proposed for a lesion."""
+"""Ratios of the diameters of stent, balloon and vessel, and the stent proposed for a lesion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of a treated stent: documents, pages, tables, lines and tiles are made of this."""
+"""Facts on a treated stent: documents, pages, tables, lines and tiles are made of these."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ def _lengths(treated: TreatedStent) -> Iterable[Fact]:
 
 
 def _place(treated: TreatedStent, units: str, frame: str | None) -> Iterable[Fact]:
-    """How the stent was placed, and where it lies: points in mm, and as the file has them."""
+    """Facts on the stent's placement, and on its place: points in mm, and as the file has them."""
     axis, kind = treated.axis, type(treated.stent.placement).__name__
     yield Fact("placement", "Placed", after=kind, words=PLACEMENTS[kind])
     where = f"x, y, z{f', {frame}' if frame else ''}"
@@ -246,7 +246,7 @@ def deployed_words(treated: TreatedStent) -> str:
 
 
 def stent_rows(result: TreatmentResult) -> list[dict[str, Any]]:
-    """One flat row per stent, for a table: plain texts, numbers and truth values.
+    """A flat row per stent, for a table: plain texts, numbers and truth values.
 
     Lengths in mm, times in s; a number that is not known is NaN, a text empty. Every row has
     the same columns; those of the certificate and the times are of the whole treatment.

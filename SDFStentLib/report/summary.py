@@ -1,5 +1,5 @@
-"""What is told of a whole deployment, and its few lines, as a cardiologist reads them; the report
-has the rest."""
+"""Facts on a whole deployment, and its few lines, as a cardiologist reads them; the report has the
+rest."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from .words import UNKNOWN, degree_word, number_text
 
 UNCOVERED = "no lesion covered"
 WARNING = "warning: "
-"""What a line begins with that tells of one: whoever colors lines goes by that."""
+"""Beginning of a line with a warning: whoever colors lines goes by that."""
 
 WARNINGS = "Warnings"
 STENOSIS, SURFACE = "Stenosis left", "Surface"
@@ -92,7 +92,7 @@ def deployment_summary(result: PlanResult) -> Summary:
 
 
 def deployment_sentences(result: PlanResult) -> Iterator[str]:
-    """All that is known of every stent, as the report has it."""
+    """Sentences on every stent and on the whole, as the report has them."""
     yield from today_facts(result.today).sentences if result.today else ()
     for stent in result.told.stents:
         label = label_of(result.plan.stents, stent.number)
@@ -104,7 +104,7 @@ def deployment_sentences(result: PlanResult) -> Iterator[str]:
 
 
 def stent_lines(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) -> list[str]:
-    """What there is to say of a stent, a line per quantity: for shell and panel."""
+    """Lines on a stent, one per quantity: for shell and panel."""
     told = [
         f"{one}." if one.label else str(one)
         for one in stent_facts(stent, lesions).at(LINES)
@@ -171,7 +171,7 @@ def outcome_facts(
     lesions: Sequence[TreatedLesion] | None,
     every: Sequence[TreatedStent] = (),
 ) -> Facts:
-    """What came of some stents, apart from their lumen; a sentence each, and its few words.
+    """Facts on the outcome of some stents but their lumen; a sentence each, and its few words.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def surface_fact(certificate: Certificate | None, units: str = "mm") -> Fact:
 
 
 def warning_facts(cautions: Sequence[Caution]) -> Iterator[Fact]:
-    """How many warnings there are, and of what, the gravest first; nothing without any."""
+    """Fact on the number of warnings, and their topics, the gravest first; none without any."""
     if not cautions:
         return
     ordered = by_gravity(cautions)

@@ -1,4 +1,4 @@
-"""How the values of a report read; plain text, nothing escaped."""
+"""Words for the values of a report; plain text, nothing escaped."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def views_command(options: argparse.Namespace, console: Console) -> int:
 def _stretch(
     options: argparse.Namespace, way: str | None, inputs: InputFiles, after: Surface | None
 ) -> Stretch:
-    """What is looked at: a lesion as long as it is, or the place that the options say."""
+    """Stretch to look at: a lesion as long as it is, or the place that the options say."""
     vessel = inputs.vessel
     if way is None or (way == "at_lesion" and options.length is None):
         number = 1 if options.at_lesion is None else options.at_lesion

@@ -66,7 +66,7 @@ def add_views(command: argparse.ArgumentParser) -> None:
 
 
 def wishes_of(options: argparse.Namespace) -> ViewWishes:
-    """What is asked of the arm; `InputError` for angles that no arm has."""
+    """Wishes for the arm; `InputError` for angles that no arm has."""
     table = () if options.limits is None else read_limits(options.limits)
     return ViewWishes(options.lao_rao, options.cra_cau, options.apart, table=table)
 

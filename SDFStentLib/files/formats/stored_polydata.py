@@ -15,7 +15,7 @@ CELL_KINDS = ("Verts", "Lines", "Polys", "Strips")
 
 
 class Kind(NamedTuple):
-    """How values are stored: VTK's array class, and the NumPy type of the numbers."""
+    """Kind of stored values: VTK's array class, and the NumPy type of the numbers."""
 
     vtk_class: str
     dtype: str

@@ -104,7 +104,7 @@ def _kind(words: dict[str, str]) -> Kind:
 def _values(
     element: Element, kind: Kind, needed: int | None, encoding: Encoding
 ) -> NDArray[Any] | list[bytes]:
-    """All values of an array, in a single row."""
+    """Values of an array, in a single row."""
     form = element.attributes.get("format", "ascii")
     if form == "ascii":
         return _from_text("".join(element.texts), kind)

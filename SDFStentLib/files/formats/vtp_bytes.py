@@ -22,7 +22,7 @@ from .vtp_markup import Markup
 
 @dataclass(frozen=True)
 class Encoding:
-    """How a file stores its arrays.
+    """Storage of the arrays of a file.
 
     Attributes
     ----------

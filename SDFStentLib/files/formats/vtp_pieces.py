@@ -36,7 +36,7 @@ class StoredPiece(NamedTuple):
 
 
 def joined(pieces: Sequence[StoredPiece], fields: ArrayGroup) -> StoredPolydata:
-    """One polydata of all pieces; of each kind of cells, those of the first piece come first."""
+    """A polydata of all pieces; of each kind of cells, those of the first piece come first."""
     first = [sum(piece.point_count for piece in pieces[:number]) for number in range(len(pieces))]
     with_points = [piece for piece in pieces if piece.point_count] or [pieces[0]]
     with_cells = [piece for piece in pieces if sum(piece.cell_counts)] or [pieces[0]]

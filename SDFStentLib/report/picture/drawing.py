@@ -27,7 +27,7 @@ class Stroke(NamedTuple):
 
 
 class Words(NamedTuple):
-    """One line of text; `y` is its baseline, `is_upright` turns it to read upward."""
+    """A line of text; `y` is its baseline, `is_upright` turns it to read upward."""
 
     text: str
     x: float

@@ -42,7 +42,7 @@ def color_limits(radii: Sequence[float], lumens: Sequence[Lumen]) -> tuple[float
 
 
 def length_scale(view: Viewpoint) -> Iterator[Mark]:
-    """How long so many millimeters are, at the left under the first panel."""
+    """Scale bar with its millimeters, at the left under the first panel."""
     steps = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
     nice = max(step for step in steps if step <= max(190 / view.per_mm, 0.5))
     left, right, y = 60, 60 + nice * view.per_mm, 654
@@ -52,7 +52,7 @@ def length_scale(view: Viewpoint) -> Iterator[Mark]:
 
 
 def color_scale(lower: float, upper: float, middle: float) -> Iterator[Mark]:
-    """Which diameter has which color, mm, around `middle`."""
+    """Color scale of the diameters, mm, around `middle`."""
     width, y, colors = 384, 644, 96
     left = middle - width / 2
     for number, color in enumerate(diameter_colors((np.arange(colors) + 0.5) / colors)):
@@ -129,7 +129,7 @@ def before_after_picture(
 
 
 def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Panel]]:
-    """What `before_after_picture` paints: all that is flat, and the walls under it."""
+    """Scene of `before_after_picture`: all that is flat, and the walls under it."""
     surface, stents = result.inputs.surface, result.told.final_stents
     lumens = _lumens(stents)
     scene = _scene(
@@ -141,7 +141,7 @@ def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Pa
 
 
 class _Scene(NamedTuple):
-    """What pictures of a vessel before treatment and after have in common."""
+    """Common parts of pictures of a vessel before treatment and after."""
 
     view: Viewpoint
     cloud: Points
@@ -212,7 +212,7 @@ def alternatives_picture(results: Mapping[str, PlanResult], *, hides_device: boo
 
 
 def alternatives_scene(results: Mapping[str, PlanResult]) -> tuple[Drawing, list[Panel]]:
-    """What `alternatives_picture` paints: all that is flat, and the walls under it."""
+    """Scene of `alternatives_picture`: all that is flat, and the walls under it."""
     if not results:
         raise InputError("picture: expected at least one plan that was carried out, got none.")
     for name, result in results.items():

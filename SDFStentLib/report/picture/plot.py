@@ -250,7 +250,7 @@ def _minimum_marks(
 
 
 def _crossed(words: Words, drawn: Sequence[Mark]) -> int:
-    """How many corners of curves lie under the words, words above all, and the stent."""
+    """Number of curve corners under the words; words and the stent there count far more."""
     left, right = _span(words)
     top, low = words.y - words.size, words.y + 4
     count = 0
@@ -267,7 +267,7 @@ def _crossed(words: Words, drawn: Sequence[Mark]) -> int:
 
 
 def _span(words: Words) -> tuple[float, float]:
-    """Where words begin and end; a letter counts 8 pixels at most."""
+    """Left and right end of words; a letter counts 8 pixels at most."""
     width = 8 * len(words.text) * words.size / 13
     left = words.x - width * ("start", "middle", "end").index(words.anchor) / 2
     return left, left + width

@@ -1,4 +1,4 @@
-"""What a before-and-after picture shows, as arrays: wall with its colors, stent, marks."""
+"""Content of a before-and-after picture, as arrays: wall with its colors, stent, marks."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Lumen(NamedTuple):
 
 
 def lumen_of(stent: TreatedStent) -> Lumen:
-    """Where both diameters are known; that may be nowhere."""
+    """Lumen where both diameters are known; that may be nowhere."""
     both = np.stack([stent.before.inscribed_diameter, stent.after.inscribed_diameter])
     known = np.isfinite(both).all(axis=0)
     return Lumen(stent.axis.line, stent.before.arc_length[known], both[:, known])

@@ -29,7 +29,7 @@ VIEWS = 72
 """Directions around the stents that are tried, every 5 degrees."""
 
 FRONT = {"RAS": (0.0, 1.0, 0.0), "LPS": (0.0, -1.0, 0.0), None: (0.0, 0.0, 0.0)}
-"""Where the patient's front is, by the frame of the surface."""
+"""Direction to the patient's front, by the frame of the surface."""
 
 
 class Viewpoint(NamedTuple):
@@ -42,7 +42,7 @@ class Viewpoint(NamedTuple):
     """Half the height of what the picture shows, mm."""
 
     def flat(self, points: Points) -> Floats:
-        """Where (n, 3) points are in the picture: (n, 2), mm to the right and up of its middle."""
+        """Places (n, 2) of points (n, 3) in the picture, mm to the right and up of its middle."""
         right = np.cross(self.up, self.toward_camera)
         return (points - self.focus) @ np.stack([right, self.up], axis=1)
 
@@ -52,7 +52,7 @@ class Viewpoint(NamedTuple):
         return (BOTTOM - TOP) / 2 / self.half_height
 
     def pixels(self, points: Points) -> Floats:
-        """Where they are in the left panel: (n, 2), to the right and down from the corner."""
+        """Pixels (n, 2) of points (n, 3) in the left panel, right of and down from the corner."""
         middle = np.array([PANEL_WIDTH / 2, (TOP + BOTTOM) / 2])
         return np.asarray(middle + self.per_mm * self.flat(points) * (1, -1))
 
@@ -114,7 +114,7 @@ def best_view(
 def label_side(
     flat: Floats, center: Floats, gap: float, size: Floats, labels: Floats | None = None
 ) -> Floats:
-    """Where a label (width and height `size`) beside a `center` covers fewest points (n, 2).
+    """Offset of a label (width and height `size`) by a `center` that covers fewest points (n, 2).
 
     It covers the middles of other `labels` (k, 2) less gladly than all points.
 

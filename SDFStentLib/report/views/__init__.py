@@ -1,4 +1,4 @@
-"""What is told of working views, and drawn: angiograms, and the map of all angles."""
+"""Facts on working views, and drawings: angiograms, and the map of all angles."""
 
 from .facts import WORST as WORST
 from .facts import Stretch as Stretch

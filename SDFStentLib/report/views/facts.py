@@ -1,4 +1,4 @@
-"""What is told of the views from which a stretch of vessel is seen."""
+"""Facts on the views from which a stretch of vessel is seen."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ BEST, SECOND, WORST, TYPED = "Best view", "Second view", "Worst view", "View"
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """What is looked at: a lesion, a stent, or a part of a vessel."""
+    """A stretch to look at: a lesion, a stent, or a part of a vessel."""
 
     title: str
     line: Line
@@ -52,7 +52,7 @@ class ToldViews(NamedTuple):
     limits: ArmLimits
     found: WorkingViews
     typed: tuple[SeenView, ...]
-    """Those that the user asks about."""
+    """Views that the user asks about."""
     facts: tuple[Facts, ...]
     """Of the best view, the second, the worst, and of those."""
 
@@ -101,7 +101,7 @@ def view_facts(
     over: Sequence[str],
     stenoses: Sequence[Stenosis],
 ) -> Iterator[Fact]:
-    """What is told of a view of a stretch of that length, mm, under branches of these names."""
+    """Facts on a view of a stretch of that length, mm, under branches of these names."""
     projected = length * (1 - seen.foreshortening)
     yield Fact("role", "View", after=role.lower(), words=role.removesuffix(" view"))
     yield Fact("words", "Angles", after=seen.view.words, words=seen.view.words)
@@ -126,14 +126,14 @@ def view_facts(
 
 
 def _covered_words(seen: SeenView, names: Sequence[str]) -> str:
-    """What lies over a stretch and over the ostia beside it."""
+    """Words for the vessels over a stretch and over the ostia beside it."""
     over, ostia = round(100 * seen.covered), round(100 * seen.ostia_covered)
     told = f"{over} % under other vessels (most under {names[0]})" if over else "nothing over it"
     return f"{told}, {ostia} % of the ostia beside it covered" if ostia else told
 
 
 class Stenosis(NamedTuple):
-    """How narrow a lesion is in the picture, and in truth."""
+    """Stenosis of a lesion in the picture, and in truth."""
 
     state: str
     """before or after"""
@@ -160,7 +160,7 @@ class Stenosis(NamedTuple):
 
 
 def limits_document(limits: ArmLimits) -> dict[str, Any]:
-    """How far the arm turns, for JSON."""
+    """Limits of the arm's angles, for JSON."""
     return {
         "lao_rao_deg": limits.lao_rao,
         "cra_cau_deg": limits.cra_cau,
@@ -169,7 +169,7 @@ def limits_document(limits: ArmLimits) -> dict[str, Any]:
 
 
 def views_document(told: ToldViews, **files: Any) -> dict[str, Any]:
-    """All of it for JSON: files by name, the views, and the map of all angles."""
+    """Document of the views: files by name, the views, and the map of all angles."""
     grid = told.found.map
     percent = {
         "foreshortening_percent": grid.foreshortening,

@@ -52,7 +52,7 @@ def map_height(told: ToldViews, width: float) -> int:
 
 
 class _Placed:
-    """Where angles are on the map."""
+    """Places of angles on the map."""
 
     def __init__(self, grid: ViewMap, left: float, top: float, step: float) -> None:
         self._grid, self._corner, self._step = grid, (left, top), step

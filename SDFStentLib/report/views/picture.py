@@ -30,7 +30,7 @@ RED = "#cc0d33"
 
 
 class Look(NamedTuple):
-    """How angiograms are made."""
+    """Options of an angiogram."""
 
     source: float | None = SOURCE
     """Distance of the source from the isocenter, mm; None for parallel rays."""
@@ -209,7 +209,7 @@ def _within(
 
 
 def _scale(made: Angiogram, place: tuple[float, float]) -> Iterator[Mark]:
-    """How long so many millimeters are at the isocenter."""
+    """Scale bar with its millimeters at the isocenter."""
     per_mm = SIDE / made.beam.size[0] / made.beam.pixel
     nice = scale_length(per_mm, SIDE)
     right, y = place[0] + SIDE - 14, place[1] + SIDE - 14

@@ -1,4 +1,4 @@
-"""What an angiographer will see of a plan that was carried out: each of its stents."""
+"""Angiograms of a plan that was carried out: one for each of its stents."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class SeenStent(NamedTuple):
 
     @property
     def title(self) -> str:
-        """What is looked at."""
+        """Title of the stretch that is looked at."""
         return self.told.stretch.title
 
     def drawings(self) -> Iterator[tuple[Facts, Drawing]]:
@@ -46,7 +46,7 @@ class SeenStent(NamedTuple):
 
     @property
     def column(self) -> Drawing:
-        """The same in one drawing, before above after."""
+        """The best view in one drawing, before above after."""
         best = [self.told.found.best]
         return views_drawing(self.told, self.walls, struts=self.struts, views=best)
 

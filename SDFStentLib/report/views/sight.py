@@ -57,7 +57,7 @@ class Sight:
 
     @property
     def frame(self) -> Frame:
-        """That of stretch and vessel."""
+        """Frame of stretch and vessel."""
         return known_frame(self.known)
 
     def told(self, wishes: ViewWishes | None, typed: Sequence[ArmView] = ()) -> ToldViews:
@@ -75,7 +75,7 @@ class Sight:
         return ToldViews(self.stretch, self.frame, wishes.limits, found, asked, facts)
 
     def facts_from(self, view: ArmView) -> Facts:
-        """Those of any view; `InputError` for a centerline without radii."""
+        """Facts from any view; `InputError` for a centerline without radii."""
         return self._facts(TYPED, self._shown.seen_from(view))
 
     def beam(self, view: ArmView) -> Beam:
