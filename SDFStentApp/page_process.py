@@ -27,11 +27,8 @@ ALLOCATION = {
     "OMP_NUM_THREADS": "1",
 }
 """Environment of the process. Otherwise each of its many short threads would hold on to memory
-that it has freed; and
-
-pages share the processors already. Arrays of less than a megabyte, of which a preview makes
-hundreds, are reused.
-"""
+that it has freed; and pages share the processors already. Arrays of less than a megabyte, of which
+a preview makes hundreds, are reused."""
 
 
 class PageProcess:

@@ -36,7 +36,7 @@ from ..validation import DeploymentError
 from ..vessel import Lesion
 
 PROTOCOL = 5
-"""Of pickle; from 5 on an array that cannot be written to cannot be after it either."""
+"""Protocol of pickle; from 5 on an array stays one that cannot be written to."""
 
 
 NUMBER_BYTES = 8
@@ -198,7 +198,7 @@ class TreatmentProcess:
         self._send(Request(self._number, surveyed=treatment))
 
     def left(self, lesions: tuple[Lesion, ...], states: tuple[TreatmentState, ...]) -> None:
-        """Ask what is left of lesions of the vessel of which a survey was asked for.
+        """Ask for the lesions after treatment, of a vessel whose survey was asked for.
 
         `states` are the last ones of every stent; `answer` gives the `TreatedLesion`s after the
         survey. `ProcessEnded` where the process is gone.

@@ -61,7 +61,7 @@ class JoinedLumens(NamedTuple):
     stretches: list[LumenStretch]
     """The stretches, each after the one above it."""
     of_station: list[Indices]
-    """For every branch (n,) indices into the stretches."""
+    """Indices (n,) into the stretches for every branch."""
 
 
 def joined_lumens(lumens: Sequence[BranchLumen]) -> JoinedLumens:

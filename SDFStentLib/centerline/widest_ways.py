@@ -18,12 +18,12 @@ from ..validation import Floats, Indices, Points
 from .inner_balls import InnerBalls
 
 NEAR = 32
-"""So many balls nearest to a place may be the one at which it is entered: some few beside a wall
-have no neighbors."""
+"""Number of balls nearest to a place that may be the one at which it is entered: some few beside a
+wall have no neighbors."""
 
 BACK = 3.0
-"""So many radii back, ways that come to a place from two limbs are so far apart; across one vessel
-they are at most two apart."""
+"""Distance in radii, back along two ways and between them, by which these come from two limbs;
+across one vessel they are at most two apart."""
 
 
 class ExtractedLines(NamedTuple):

@@ -115,7 +115,7 @@ class Certificate(JudgedSurface):
         )
 
     def cautions(self) -> tuple[Caution, ...]:
-        """Cautions about what is no fault but has to be known before meshing."""
+        """Cautions on what is no fault but matters for meshing."""
         return self.new_slivers.cautions()
 
     @property

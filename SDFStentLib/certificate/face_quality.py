@@ -27,9 +27,9 @@ stent, which intersect nothing, came out just below 0 on the pulmonary artery.
 
 
 DOUBTFUL = 0.3
-"""The same mean cosine, above which no face lies upside down. Two faces of a flat cap that a stent
-pushed out over its rim had -0.07: they oppose the cap, and the wall at their other corners is at
-right angles to both."""
+"""Mean cosine above which no face lies upside down. Two faces of a flat cap that a stent pushed out
+over its rim had -0.07: they oppose the cap, and the wall at their other corners is at right angles
+to both."""
 
 
 def degenerate_triangles(

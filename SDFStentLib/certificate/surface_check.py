@@ -78,7 +78,7 @@ class SurfaceCheck(JudgedSurface):
         return f"The surface {self.fitness.in_words(units)}."
 
     def cautions(self) -> tuple[Caution, ...]:
-        """Cautions about what is no fault but has to be known before meshing."""
+        """Cautions on what is no fault but matters for meshing."""
         return self.slivers.cautions()
 
     def as_dict(self) -> dict[str, Any]:

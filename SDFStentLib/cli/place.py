@@ -195,7 +195,7 @@ def frame_of(options: argparse.Namespace) -> Frame | None:
 
 
 def check_frame(named: Frame | None, known: Frame | None, said_by: str) -> None:
-    """Refuse a frame that is not the one that is known."""
+    """Refuse a frame other than the known one."""
     if are_apart(named, known):
         raise InputError(
             f"--frame: expected {known}, which {said_by} says, got {named}; leave it out."

@@ -122,7 +122,7 @@ class _Watcher:
             )
 
     def kept(self) -> str:
-        """Words for what is left of an interrupted sweep."""
+        """Words for the rest of an interrupted sweep."""
         if self.tally is None:
             return "what was whole before is kept"
         return f"{self.tally.finished} of {self.tally.total} cases are kept"

@@ -46,7 +46,7 @@ class Where(NamedTuple):
     """The plan, for its frame, and how axes are changed."""
     inputs: InputFiles
     spot: StentMiddle | None
-    """Its place; None where the case has no place of its own."""
+    """Place of the stent; None where the case has no place of its own."""
 
     @property
     def tree(self) -> Centerline:

@@ -53,7 +53,7 @@ def start_worker(sweep: Connection, begun: Connection | None = None) -> None:
 
 
 def begin(case: str) -> None:
-    """Tell the sweep, if it has to know, that this process begins a case.
+    """Tell the sweep, where it asks for that, that this process begins a case.
 
     Workers share the pipe without a lock, as a stopped worker would keep it: so few bytes are
     always written at once.

@@ -33,7 +33,7 @@ from .varied import plan_of_case
 from .watch import begin
 
 NO_VIEWS = "A sweep tells views only where its plan has `views`."
-"""Why the report of a case has none."""
+"""Reason for a report without views."""
 
 KEPT = 2
 """Number of patients whose vessels a worker keeps: cases come patient by patient."""

@@ -112,7 +112,7 @@ class Growth:
         return Expanded(task.target_level, task.radius, task.settings.contact_tolerance)
 
     def settled(self) -> OnStent:
-        """After the last step: all points on the prescribed lumen that belong there."""
+        """Points after the last step, those that belong there on the prescribed lumen."""
         self.motion.settled(self.task.target_level)
         return finished(self.motion, self.expanded)
 

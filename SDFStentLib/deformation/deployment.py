@@ -28,7 +28,6 @@ RETRIES = (((-1.0, 1.0), 1.0), (GAP_RAMP, 2.0), (GAP_RAMP, 0.5), (GAP_RAMP, 3.0)
 HOPELESS_FOLD = 10.0
 """Length, mm, of a remaining fold from which on only the first other tissue gap is tried.
 
-
 In 450 random stents, up to four times as wide as the vessel, those that a later gap saved had at
 most 3.6 mm left; of 10 mm and more only the first saved one.
 """

@@ -33,8 +33,7 @@ jump where the stent just reaches. With 2, wall goes no farther out than it was 
 """
 
 UNREACHED_BOUND = 1.15
-"""The same factor round a lumen that the stent does not reach, from that lumen's wall.
-
+"""Factor of the drag bound round a lumen that the stent does not reach, from that lumen's wall.
 
 The wall of a slope is farther from the axis than the lumen there is wide; a lumen is that of its
 nearest wall. So at 45 degrees this widens it by 0.15 (1 - cos 45) of its radius, 4.4 %, and it may
@@ -62,7 +61,6 @@ COARSEST_REACH = np.sqrt(2.0)
 
 BEND_SLACK = 1.5
 """Largest push of a vertex, over what a chord round a straight axis needs.
-
 
 In 24 random stents of the anatomies the largest push was 1.05 times that, in bends more.
 """

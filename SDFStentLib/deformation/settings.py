@@ -170,7 +170,7 @@ class DeploymentSettings:
 
     @classmethod
     def preview(cls) -> DeploymentSettings:
-        """The same code path for dragging: longer steps, and neither untangled nor certified."""
+        """Settings for dragging: longer steps, and neither untangled nor certified."""
         return cls(
             step=1.6,
             step_tolerance=0.1,

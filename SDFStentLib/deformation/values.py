@@ -100,7 +100,7 @@ class DeploymentResult:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DeploymentTask:
-    """The checked inputs of a deployment and what follows from them. Immutable.
+    """Checked inputs of a deployment, and values derived from them. Immutable.
 
     Parameters and errors as for `Deployment`; None stands for what is not given.
     """

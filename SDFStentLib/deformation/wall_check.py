@@ -21,7 +21,8 @@ PLACES = 5
 """Number of places checked along every side of a triangle, its corners among them."""
 
 FINE_PLACES = 13
-"""The same number where a triangle crosses the plane at an end of the stent, or may be too deep."""
+"""Number of places where a triangle crosses the plane at an end of the stent, or may be too
+deep."""
 
 CLEARLY = NOTICEABLY_NARROWER
 """Share of the radius up to which wall may lie inside without being looked at."""

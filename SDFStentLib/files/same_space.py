@@ -145,7 +145,8 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Cauti
 
 
 def _best_fit(surface: Surface, centers: Points) -> _SpaceFit | None:
-    """The other unit or frame with the most points inside; None if none has half of them."""
+    """Unit or frame with the most points inside, of the other ones; None if none has half of
+    them."""
     extent, fits = float(np.ptp(surface.points, axis=0).max()), []
     for factor, is_flipped in product((1.0, *UNIT_FACTORS), (False, True)):
         if factor == 1.0 and not is_flipped:

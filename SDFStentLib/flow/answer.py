@@ -64,7 +64,7 @@ class FlowAnswer(NamedTuple):
     before: dict[str, Moment]
     after: dict[str, Moment] | None
     networks: tuple[Network, ...]
-    """Before, and after."""
+    """Networks before, and after."""
     outlets: Outlets
     """The outlets, whose resistances fit what is known before treatment, and are kept for after."""
     inlets: Inlets
@@ -76,7 +76,7 @@ class FlowAnswer(NamedTuple):
     """Whether a wave was taken as a row of steady flows."""
 
     def documents(self) -> list[dict[str, Any]]:
-        """Its networks as SimVascular's 0D solver reads them, before and after."""
+        """Networks as SimVascular's 0D solver reads them, before and after."""
         notice = "" if self.known.has_pressures else NO_LEVEL
         return [svzerod_document(one, self.outlets, self.known, notice) for one in self.networks]
 
@@ -213,11 +213,11 @@ class FlowModel:
 
     @cached_property
     def _before(self) -> SeenFlow:
-        """Before treatment: the same for every stent that is tried."""
+        """Flow before treatment: the same for every stent that is tried."""
         return self._seen([case.network for case in self._cases])
 
     def _after(self, channels: Sequence[Channel]) -> SeenFlow:
-        """The same with the channels after treatment."""
+        """Flow with the channels after treatment."""
         widths = widths_of(channels, (self._tree_channels, self._tree_widths))
         channels, widths = self._course.along(channels, widths)
         each = [case.network for case in self._cases]

@@ -104,13 +104,13 @@ class Block(NamedTuple):
     jet: Floats
     """Even speed that would carry as much energy, over the flow, 1/m^2."""
     area: Floats
-    """m^2."""
+    """Area of the lumen, m^2."""
     beyond: float
     """Loss of the jet where it leaves an outlet, or meets others, as `mixing`."""
     slenderness: float
     """Inertance over the density, 1/m."""
     length: float
-    """m."""
+    """Length of the vessel, m."""
 
 
 def outlet_diameter(channel: Channel, widths: Widths) -> float:
@@ -135,7 +135,7 @@ def turns_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
 def other_turns(
     channels: Sequence[Channel], widths: Sequence[Widths]
 ) -> dict[int, tuple[float, ...]]:
-    """The same to the other channels that bring blood, for channels that have some."""
+    """Angles to the other channels that bring blood, for channels that have some, radians."""
     return {
         number: tuple(_turn(channels, widths, other, channel) for other in channel.also)
         for number, channel in enumerate(channels)
@@ -166,9 +166,9 @@ class Stream(NamedTuple):
     bends: Floats
     """(m,) as of `bends_of`."""
     others: Mapping[int, Sequence[float]] = MappingProxyType({})
-    """The same as of `other_turns`."""
+    """Angles as of `other_turns`."""
     sharp: SharpBends = NONE
-    """The same as of `sharp_bends`."""
+    """Sharp bends as of `sharp_bends`."""
 
 
 def blocks_of(

@@ -28,7 +28,7 @@ FINE, COARSE = 0.1, 0.4
 throat of a short narrowing costs what it costs with twice as many to a percent."""
 
 LOST = 2.0
-"""Diameters before its end in which nothing is known of an outlet: next to a cap it is one."""
+"""Diameters before an outlet in which nothing is known: next to a cap it is one."""
 
 CLEAR = 1.2
 """Radii from an outlet from which on a sphere does not touch its cap, though that may lean."""
@@ -64,7 +64,7 @@ class Channel(NamedTuple):
     and ends, mm; NaN where there is none."""
 
     def turned(self) -> Channel:
-        """The same from its end on; what is above is not known."""
+        """Channel from its end on; what is above is not known."""
         return Channel(
             points=self.points[::-1],
             along=self.along[-1] - self.along[::-1],

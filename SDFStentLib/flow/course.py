@@ -98,7 +98,7 @@ class Course(NamedTuple):
     is_turned: Flags
     """(n,) which of these flow toward the root."""
     feeders: tuple[tuple[int, ...], ...]
-    """For each channel along the flow those that bring its blood, most of it first."""
+    """Feeders of each channel along the flow, that with most of its blood first."""
     tree: Tree
     """The tree of the channels."""
 

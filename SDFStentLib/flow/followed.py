@@ -67,7 +67,7 @@ class FollowedChannels:
         return [_filled(np.fmax(one.inscribed, one.section)) for one in self.channels]
 
     def after(self, centerline: Centerline, surface: Surface) -> tuple[Channel, ...]:
-        """The same stations on the moved centerline in the treated vessel.
+        """Channels at the same stations on the moved centerline in the treated vessel.
 
         Their diameters grow as spheres among followed points of the wall do, and as the loops of
         their sections do. What no moved wall is near to stays as it was, to the bit; a channel of

@@ -41,7 +41,7 @@ class Inlets(NamedTuple):
     names: tuple[str, ...]
     """Names of the inlets that are not closed,"""
     closed: tuple[str, ...]
-    """and of those that are because nothing is known of them."""
+    """and of those closed because nothing is known of them."""
 
 
 FROM_ROOT = Inlets({0: 1.0}, ("inlet",), ())

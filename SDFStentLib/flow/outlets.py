@@ -24,8 +24,7 @@ OTHERS = "other outlets"
 """Outlets of neither main branch."""
 
 FIRM = 1e4
-"""Without pressures the outlets resist so many times more than the vessel: their shares are
-fixed."""
+"""Outlet resistance over the vessel's without known pressures: shares are fixed."""
 
 NOTHING = 1e-6
 """The part of the pressure that is known: outlets that cost no more at the mean flow cost

@@ -26,8 +26,8 @@ BENT = 11.6
 
 _DEAN = np.log([BENT, 20, 50, 100, 200, 400, 800, 1600])
 _COILED = np.array([2.0, 1.969, 1.813, 1.690, 1.597, 1.526, 1.475, 1.421])
-"""By the logarithm of Dean's number the energy of the developed profile in a coil over that of an
-even one: Dean's equations solved by finite elements (docs/flow.md)."""
+"""Energy of the developed profile in a coil over that of an even one, by the logarithm of Dean's
+number: Dean's equations solved by finite elements (docs/flow.md)."""
 
 
 class ChannelStations(NamedTuple):
@@ -36,8 +36,7 @@ class ChannelStations(NamedTuple):
     starts: list[int]
     """(n + 1,) where those of each channel begin, and the end."""
     feeds: list[list[tuple[int, float]]]
-    """For each channel those at whose ends it begins, with the shares of the blood that comes
-    there."""
+    """Channels at whose ends each begins, with the shares of the blood that comes there."""
     step: Floats
     """(m,) from each station to the next one, m; 0 at the end of a channel."""
 

@@ -75,7 +75,7 @@ class Moment(NamedTuple):
     inlets: tuple[InletLoss, ...] = ()
     """Losses of several inlets, in their order;"""
     power: Band | None = None
-    """and of all together, W."""
+    """and power lost by all together, W."""
     limbs: tuple[Band, ...] = ()
     """Shares of the flow through limbs that meet again."""
 

@@ -22,7 +22,7 @@ from .tree import Tree
 from .wave import STEPS
 
 CYCLES = 3
-"""The last one is told; nothing in a network with rigid walls remembers longer."""
+"""Cycles, of which the last counts; a network with rigid walls remembers no longer."""
 
 TIME_LIMIT = 600.0
 """s, for a solver that takes less than one for a hundred outlets."""

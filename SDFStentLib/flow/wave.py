@@ -95,7 +95,7 @@ class Wave:
         return float(weights @ np.maximum(-flow, 0) / (weights @ np.maximum(flow, 0)))
 
     def scaled(self, mean: float) -> Wave:
-        """The same shape with another mean flow, mL/s."""
+        """Wave of the same shape with another mean flow, mL/s."""
         factor = mean / self.mean
         return Wave(self.time, tuple(factor * one for one in self.flow))
 

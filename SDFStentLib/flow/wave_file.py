@@ -239,7 +239,7 @@ def _beats(rows: _Rows) -> int:
 
 
 def _apart(rows: _Rows, count: int) -> tuple[float, float]:
-    """Distance of so many beats from their average, root mean square, and the range of that."""
+    """Root-mean-square distance of beats from their average, and that one's range."""
     at = np.arange(count * _SAMPLES) * rows.time[-1] / (count * _SAMPLES)
     each = np.interp(at, rows.time, rows.flow).reshape(count, _SAMPLES)
     beat = each.mean(axis=0)

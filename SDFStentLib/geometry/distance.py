@@ -140,7 +140,7 @@ def _rows_normalized(weights: csr_array) -> csr_array:
 def _between_walls(
     weights: csr_array, points: Points, triangles: Triangles, queries: Points
 ) -> csr_array:
-    """The same weights, except that a place between two walls follows each by its nearness.
+    """Weights with which a place between two walls follows each by its nearness.
 
     So tissue between the walls is compressed evenly, as in a crotch of which one side moves toward
     the other. Weights of 1 / d keep the order of places between two walls that do not cross.

@@ -1,4 +1,4 @@
-"""A triangle surface as one value: checked once, and what follows from it worked out once."""
+"""Triangle surface: checked once, its derived values worked out once."""
 
 from __future__ import annotations
 

@@ -89,11 +89,12 @@ def fills(spheres: InscribedSpheres, equivalent: Floats) -> Flags:
 
 
 AHEAD = np.cos(np.deg2rad(30.0))
-"""A sphere that touches the surface so nearly along the axis, on the side of its nearer end, may
-touch a cap."""
+"""Cosine to the axis, on the side of its nearer end, from which a sphere that touches the surface
+may touch a cap."""
 
 SQUARELY = np.cos(np.deg2rad(15.0))
-"""The same for an end that is no flat cap; between is the ridge of a flow divider, for example."""
+"""Cosine likewise for an end that is no flat cap; between is the ridge of a flow divider, for
+example."""
 
 CAPS_WITHIN = 2.0
 """Caps are looked for so near to the ends of an axis, in widths of the lumen from axis to wall."""

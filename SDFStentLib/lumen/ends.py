@@ -41,7 +41,7 @@ class Spot(NamedTuple):
     narrow: float
     """Distance from the center to the nearest place of its border, mm,"""
     wide: float
-    """and to the farthest."""
+    """and to the farthest place."""
     faces: Indices
     """Indices of the triangles of the surface that lie in it."""
 

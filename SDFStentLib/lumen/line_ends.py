@@ -62,8 +62,8 @@ class EndStations(NamedTuple):
         return float(np.quantile(known, USUAL)) if len(known) else float("nan")
 
     def apart_from(self, cap: SurfaceIndex | None) -> EndStations:
-        """The same stations, with spheres that touch a cap as not known: a line may leave the cap
-        at a slant."""
+        """Stations with spheres that touch a cap as not known: a line may leave the cap at a
+        slant."""
         centers, radii = self.spheres
         is_known = self.is_known.copy()
         is_known[is_known] = END_REACH * radii[is_known] <= _away(cap, centers[is_known])

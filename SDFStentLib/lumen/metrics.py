@@ -84,17 +84,17 @@ def cut_at_ostia(
 
 
 _APART = 1.0
-"""Distance of the stations that are measured, mm, of which as many as are asked for are told."""
+"""Distance of the stations that are measured, mm; those that are asked for are returned."""
 
 _MOST = 20_000
 """Stations between those that are asked for, at most: a line of kilometers is in another unit."""
 
 _NEARLY, _FALLS, _THROATS = 1.05, 1.01, 3
-"""So many of the stations that are at most so many times as wide as the narrowest one, and beside
-which the lumen is so many times wider, are looked at more closely,"""
+"""Stations to look at more closely: at most this much wider than the narrowest one, with a lumen
+beside them this much wider, and at most this many,"""
 
 _FINE = np.delete(np.linspace(-1, 1, 17), [0, 8, 16])
-"""at these parts of the way to the ones beside them."""
+"""at these parts of the way to their neighbors."""
 
 _COLUMNS = ("arc_length", "centers", "inscribed_diameter", "equivalent_diameter", "is_cut")
 
@@ -163,7 +163,7 @@ class DiameterProfile:
 
     @property
     def gaps(self) -> tuple[Caution, ...]:
-        """Each kind of diameter that is missing somewhere."""
+        """Cautions for each kind of diameter that is missing somewhere."""
         return (
             *self._gap("no-inscribed-diameter", np.isnan(self.inscribed_diameter)),
             *self._gap("no-equivalent-diameter", np.isnan(self.equivalent_diameter)),

@@ -181,13 +181,13 @@ def _near_triangles(points: Points, triangles: Triangles, centers: Points) -> Tr
 
 
 class _Loops(NamedTuple):
-    """Connected parts of the pieces: of every node (k,) which one, and of every station (n,)."""
+    """Connected parts of the pieces, by node (k,), and the smallest by station (n,)."""
 
     label: Indices
     smallest: Indices
-    """The smallest closed one that holds the station; -1 for none."""
+    """Smallest closed part that holds the station; -1 for none."""
     area: Floats
-    """Its area, mm^2; infinite for none."""
+    """Area of that part, mm^2; infinite for none."""
     is_doubtful: Flags
 
 

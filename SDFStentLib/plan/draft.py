@@ -1,4 +1,4 @@
-"""A stent as it is edited: whether its values fit together, and what follows from setting one.
+"""A stent as it is edited: whether its values fit together, and what a change entails.
 
 Its entry has all values of a stent, of which some may be kept while others count, and three more:
 `whole_curve`, whether a curve is its axis from end to end; `device_shortening`, whether it shortens
@@ -123,14 +123,14 @@ class Draft:
 
     @property
     def asks_for_shortening(self) -> bool:
-        """Whether it shall shorten as is known of its device, and that is not known."""
+        """Whether it shall shorten by its device's foreshortening, which is not known."""
         device = self.device
         is_known = device is None or device.foreshortening_fraction is not None or device.lengths
         return self.entry["device_shortening"] and not is_known
 
     @cached_property
     def device(self) -> Device | None:
-        """Its device."""
+        """Device of the entry; None without one."""
         return self._set(Device, "device")
 
     @cached_property
@@ -192,7 +192,7 @@ class Draft:
 
     @cached_property
     def refusal(self) -> InputError | None:
-        """Why its sizes do not fit together; None when they do."""
+        """Error by which its sizes do not fit together; None when they do."""
         try:
             _ = self.final
         except InputError as error:

@@ -14,7 +14,7 @@ from .entry import stent_entry
 
 
 def numbers_again(drafts: Sequence[Draft], spots: Sequence[Hashable]) -> list[int | None]:
-    """For every draft the number, from 1, of the stent of the plan that it dilates again.
+    """Number, from 1, of the stent of the plan that each draft dilates again.
 
     That is the stent as it lies by then: where it was dilated again before, as that. None where
     there is none.
@@ -107,11 +107,11 @@ class Row(NamedTuple):
     redilation: float | None = None
     """The diameter to which it is dilated again at once, mm."""
     original: int | None = None
-    """For one that dilates another again, the index of that one among the rows."""
+    """Index among the rows of the stent that this one dilates again; None if it does not."""
 
     @property
     def entry(self) -> dict[str, Any]:
-        """Its entry; of its place the kind, unless that is one of a vessel."""
+        """Entry; of its place the kind, unless that is one of a vessel."""
         stent = self.stent
         is_of_vessel = isinstance(stent.placement, OfVessel)
         place = placement_document(stent.placement) if is_of_vessel else kind_only(stent.placement)

@@ -131,7 +131,7 @@ def plan_files(plan: Plan) -> InputFiles:
 def as_planned(
     plan: Plan, inputs: InputFiles, *, accept_changed_inputs: bool = False
 ) -> InputFiles:
-    """The files that were read for a plan, with what there is to say where they are not its own.
+    """Files that were read for a plan, with cautions where they are not its own.
 
     Raises
     ------

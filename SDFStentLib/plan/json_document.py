@@ -145,7 +145,7 @@ def json_text(value: Any, indent: str = "") -> str:
 
 
 def in_words(value: Any) -> str:
-    """A value of JSON as it is told in a message."""
+    """Words for a value of JSON in a message."""
     if isinstance(value, Mapping):
         return "an object"
     if isinstance(value, Sequence) and not isinstance(value, str):

@@ -44,7 +44,7 @@ class Marks(NamedTuple):
     """The frame of all places; None: the surface's."""
 
     def in_frame(self, frame: Frame | None) -> Marks:
-        """The same places as a file of that frame has them."""
+        """Marks as a file of that frame has them."""
         if not are_apart(frame, self.frame):
             return self
         root = None if self.root is None else flipped(self.root)
@@ -118,7 +118,7 @@ class Plan(ByValue):
                 )
 
     def in_frame(self, frame: Frame | None) -> Plan:
-        """The same with all points in another patient frame; in this one where it has none yet."""
+        """Plan with all points in another patient frame; in this one where it has none yet."""
         if not are_apart(self.frame, frame):
             return replace(self, frame=frame)
         known = self.flow
@@ -135,14 +135,14 @@ class Plan(ByValue):
         return Marks(root, reference, self.names, self.frame)
 
     def marked(self, marks: Marks) -> Plan:
-        """The same with these marks, in its own frame."""
+        """Plan with these marks, in its own frame."""
         here = marks.in_frame(self.frame)
         root = None if here.root is None else as_place(here.root)
         reference = tuple(as_place(place) for place in here.reference)
         return replace(self, root=root, reference=reference, names=here.names)
 
     def of_files(self, surface: str | None, centerline: str | None) -> Plan:
-        """The same for files by their paths, in place of what it names, where these are given."""
+        """Plan for files by their paths, in place of what it names, where these are given."""
         return replace(
             self,
             surface=InputFile(surface) if surface else self.surface,

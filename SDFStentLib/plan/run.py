@@ -108,7 +108,7 @@ def _whole_way(vessel: Vessel) -> Part:
 
 @dataclass(frozen=True)
 class PlanResult(CaseOutcome):
-    """A plan that was carried out: the plan, what was read, and what came of it."""
+    """A plan that was carried out, its input files and its result."""
 
     plan: Plan
     inputs: InputFiles
@@ -267,9 +267,9 @@ class Today(NamedTuple):
     redilation: int
     """Number of the first stent that is an earlier one, dilated again."""
     minimum_lumen: Mapping[int, float]
-    """By number of a stent, its smallest inscribed diameter by then, mm; NaN where not known."""
+    """Smallest inscribed diameter of each stent by its number then, mm; NaN where not known."""
     lesions: tuple[TreatedLesion, ...] | None
-    """Before any stent and by then; None without a centerline."""
+    """Lesions before any stent and by then; None without a centerline."""
 
 
 def today_of(vessel: Vessel, result: TreatmentResult) -> Today | None:

@@ -119,7 +119,7 @@ def object_schema(properties: dict[str, Any], required: Sequence[str] = ()) -> d
 
 
 def or_null(schema: dict[str, Any]) -> dict[str, Any]:
-    """The same, or null."""
+    """Schema that takes null, too."""
     return {"anyOf": [schema, {"type": "null"}]}
 
 

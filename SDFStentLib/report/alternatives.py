@@ -111,7 +111,7 @@ def _stents(document: Section) -> Lines:
 
 
 def _facts(documents: Sequence[Section | None], *, are_changed: bool) -> list[ComparedRow]:
-    """A row for every fact of stents that is told side by side."""
+    """Rows for the facts on stents that are compared."""
     stents = [stent for one in documents if one is not None for stent in one["stents"]]
     found = [fact for stent in stents for fact in stent.at(COMPARED) if fact.label]
     labels = dict.fromkeys(one.label for one in found if bool(one.was) == are_changed)
@@ -162,7 +162,7 @@ def _is_changed(lesion: Facts) -> bool:
 
 
 def _branches(documents: Sequence[Section | None]) -> list[ComparedRow]:
-    """Every side branch beside a stent of one of the plans."""
+    """Rows for the side branches beside a stent of one of the plans."""
     near = [branch for one in documents if one is not None for branch in one["branches"]]
     if not near:
         return [_of_each("Branches", documents, lambda _: (NONE_NEAR,))]
@@ -191,7 +191,7 @@ def _contact(document: Section, stent: Facts) -> str:
 
 
 def _views(documents: Sequence[Section | None]) -> list[ComparedRow]:
-    """From where the stents are seen, and what of them; or why that is not told."""
+    """Rows for the views of the stents; or one that says why there are none."""
     known = [one["views"] for one in documents if one is not None]
     if all(views.reason for views in known):
         reasons = dict.fromkeys(views.reason for views in known)

@@ -27,7 +27,7 @@ def device_facts(device: Device | None) -> Iterator[Fact]:
 
 
 def _named(device: Device) -> str:
-    """Its name, and whose it is."""
+    """Name of the device, and its maker and family."""
     who = " ".join(filter(None, (device.manufacturer, device.family)))
     return f"{device.name} ({who})" if who else device.name
 
@@ -43,7 +43,7 @@ def _section(device: Device) -> dict[str, Any]:
 
 
 def device_rows(device: Device) -> list[tuple[str, str]]:
-    """Name and value of all that is known of a device, and of what is not."""
+    """Names and values of what is known of a device, and of what is not."""
     covered = {None: UNKNOWN, True: "yes", False: "no"}[device.covered]
     return [
         ("Device", device.name),
@@ -101,7 +101,7 @@ def device_sentences(stent: Stent) -> list[str]:
 
 
 def _sizes(stent: Stent, device: Device) -> str:
-    """Its lengths, and whose they are: only what its row has is from the row's source."""
+    """Words for its lengths and their source: only what its row has is from the row's source."""
     nominal = stent.length
     if nominal is None:
         return ""

@@ -33,10 +33,10 @@ class Fact(NamedTuple):
     """A quantity of a result."""
 
     key: str = ""
-    """Its place in a document: names from the outside in, between dots; `{}` is before or after.
-    A fact whose key begins with an underscore is in no document."""
+    """Place in a document: names from the outside in, between dots; `{}` is before or after. A fact
+    whose key begins with an underscore is in no document."""
     label: str = ""
-    """Its name for a reader. A fact without a label is a sentence, or is for programs only."""
+    """Name for a reader. A fact without a label is a sentence, or is for programs only."""
     before: Any = None
     """The value before; None where treatment does not change it, NaN where it is not known."""
     after: Any = None
@@ -49,9 +49,9 @@ class Fact(NamedTuple):
     note: str = ""
     """Words that follow the values in a line."""
     column: str = ""
-    """Its column in a table with a row per result; `{}` is before or after, of a place x, y, z."""
+    """Column in a table with a row per result; `{}` is before or after, of a place x, y, z."""
     short: str = ""
-    """Its name in the lines beside the stent, where that is not its label,"""
+    """Name in the lines beside the stent, where that is not its label,"""
     tile: str = ""
     """and on its tile."""
     worst: Callable[..., Any] = min
@@ -97,7 +97,7 @@ class Fact(NamedTuple):
 
     @property
     def tiled(self) -> Tile:
-        """Its tile; a unit that ends the note stands once beneath it."""
+        """Tile of the fact; a unit that ends the note stands once beneath it."""
         unit = "" if self.note.endswith(f" {self.unit}") else f" {self.unit}"
         was = "".join(f"before {one}{unit}" for one in self._rounded[:-1])
         beneath = f"{was}{self.note}".removeprefix(", ") if self.beneath is None else self.beneath
@@ -154,11 +154,11 @@ class Facts(tuple[Fact, ...]):
         }
 
     def rows(self) -> list[tuple[str, str]]:
-        """Name and value of what treatment does not change, for a page."""
+        """Names and values of what treatment does not change, for a page."""
         return [(one.label, one.words) for one in self._labeled() if not one.was]
 
     def changes(self, levels: Sequence[int] = LEVELS) -> list[tuple[str, str, str]]:
-        """Name, value before and after, of what is told at some levels, for a page."""
+        """Names, values before and after, of the facts of some levels, for a page."""
         return [
             (one.label, one.was, one.words)
             for one in self._labeled()

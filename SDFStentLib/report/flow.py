@@ -176,12 +176,12 @@ def flow_moments(section: Section, most: int | None = None) -> Moments:
 
 
 def flow_rows(section: Section, most: int | None = None) -> list[str]:
-    """The same as lines, the heading in each of them."""
+    """Facts as lines, the heading in each of them."""
     return [f"{at}, {one}" for at, facts in flow_moments(section, most) for one in facts]
 
 
 def flow_sentences(section: Section, most: int | None = None) -> list[str]:
-    """Headings, the rows below each as lines, and what has to be known of them."""
+    """Headings, the rows below each as lines, and the notes on them."""
     lines = []
     for at, facts in flow_moments(section, most):
         lines += [f"{at}:", *(f"  {one}" for one in facts)]

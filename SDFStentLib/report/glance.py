@@ -111,7 +111,7 @@ def previewed_lines(
 def previewed_sentences(
     placed: PlacedStent, numbers: PreviewedNumbers, lesions: Sequence[Lesion]
 ) -> list[str]:
-    """The same at length, and the ratios to the tightest lesion that the stent covers."""
+    """Sentences on a previewed stent, and on its ratios to the tightest lesion that it covers."""
     told = [f"{one} ({PREVIEW})" for one in preview_facts([numbers], lesions) if one.label]
     for ratios in _ratios(placed, lesions):
         told += [ratio_sentence(ratios), *(one.sentence() for one in ratios.cautions())]
@@ -142,7 +142,7 @@ def measured_lines(
     cautions: Sequence[Caution] = (),
     flow: Mapping[str, Any] | None = None,
 ) -> list[str]:
-    """At most eight lines of a deployed stent; the last is the certificate's word.
+    """Lines on a deployed stent, at most eight; the last is the certificate's word.
 
     Before that is the gravest warning, where there is one, that of the stent first of equals.
 
@@ -180,7 +180,7 @@ def result_tiles(
     cautions: Sequence[Caution] = (),
     flow: Mapping[str, Any] | None = None,
 ) -> list[Tile]:
-    """Tiles of a treatment, what has to be known first in front; all of `COMPARED` are among them.
+    """Tiles of a treatment, cautions in front; all of `COMPARED` are among them.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def result_tiles(
 
 
 def _worst(facts: Iterable[Fact]) -> Iterator[Fact]:
-    """The worst of all stents for every fact that is told first; NaN is worse than any."""
+    """Worst fact of all stents for every one that is told first; NaN is worse than any."""
     alike: dict[str, list[Fact]] = {}
     for one in facts:
         alike.setdefault(one.tile or one.label, []).append(one)

@@ -44,7 +44,7 @@ def lesion_facts(number: int, lesion: Lesion, units: str = "mm") -> Facts:
 
 
 def treated_lesion_facts(treated: TreatedLesion, units: str = "mm") -> Facts:
-    """The same with what is left of it after treatment, and the stents that cover it."""
+    """Facts on a lesion before and after treatment, and on the stents that cover it."""
     before, after, stents = treated.before, treated.after, treated.stents
     degree = degree_text(after.percent_diameter)
     against = f"Lesion {treated.number} against {before.reference}.{_left_note(treated)}"

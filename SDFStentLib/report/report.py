@@ -78,7 +78,7 @@ class Report(NamedTuple):
     """The picture of the page: a PNG, or the sentence that says why there is none."""
 
     def with_outputs(self, files: Mapping[str, str]) -> Report:
-        """The same with the files that were written, as seen from its folder, and their SHA-256."""
+        """Report with the files that were written, as seen from its folder, and their SHA-256."""
         return self._replace(sections={**self.sections, "outputs": output_list(files)})
 
     def as_dict(self) -> dict[str, Any]:

@@ -161,7 +161,7 @@ def simulation_moments(document: Section) -> Moments:
 
 
 def simulation_sentences(document: Section) -> list[str]:
-    """The facts as lines, and what has to be known of them."""
+    """Facts as lines, and the notes on them."""
     lines = []
     for heading, facts in simulation_moments(document):
         lines += [f"{heading}, before -> after:", *(f"  {one}." for one in facts)]

@@ -30,8 +30,8 @@ PLACEMENTS = {
 }
 
 CUT = 0.1
-"""The length, mm, by which a stent that is told to be cut is shorter than prescribed; as its
-warning has it."""
+"""Length, mm, by which a stent is shorter than prescribed where it is called cut; as its warning
+has it."""
 
 Lesions = Sequence[TreatedLesion] | None
 
@@ -39,7 +39,7 @@ Lesions = Sequence[TreatedLesion] | None
 def stent_facts(
     treated: TreatedStent, lesions: Lesions, units: str = "mm", frame: str | None = None
 ) -> Facts:
-    """Everything that is known of one treated stent.
+    """Facts on a treated stent.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def stent_facts(
 
 
 def measured_facts(treated: TreatedStent) -> Facts:
-    """The facts on what came of a treated stent: its lumen, and what lies beside it."""
+    """Facts on the result of a treated stent: its lumen, and the branches and wall beside it."""
     return Facts((*lumen_facts(treated), *beside_facts(treated)))
 
 
@@ -213,7 +213,7 @@ def _compared(stent: Stent, covered: Sequence[TreatedLesion], ratios: SizeRatios
 
 
 def shortening_reason(stent: Stent) -> str | None:
-    """Why so much is taken off the length of a stent; None where no length was given."""
+    """Reason for the foreshortening of a stent; None where no length was given."""
     if stent.length is None and stent.foreshortening_fraction is None:
         return None
     if isinstance(stent.placement, OfStent) and not stent.foreshortening:

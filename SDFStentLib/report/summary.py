@@ -48,7 +48,7 @@ _OF_SURFACE = {
     NOT_READY: ("not ready for a mesher", "no worse than before"),
     NOT_CERTIFIED: (NOT_CERTIFIED, ""),
 }
-"""Its tile, by the word of the certificate."""
+"""Value of the surface's tile, and what stands beneath, by the word of the certificate."""
 
 _SHORT = {
     "hangs-free": "hangs free over {free_mm:.0f} of {length_mm:.0f} mm",
@@ -69,11 +69,11 @@ class Summary(NamedTuple):
 
     deployed: str
     results: list[str]
-    """At most five lines, the certificate's last; one more where a stent is dilated again."""
+    """Lines, at most five, the certificate's last; one more where a stent is dilated again."""
 
 
 def deployment_summary(result: PlanResult) -> Summary:
-    """The stents, and what came of them: lumen, stenosis, branches and contact."""
+    """Summary of the stents and their results: lumen, stenosis, branches and contact."""
     stents = result.told.stents
     facts = {one.number: stent_facts(one, result.lesions) for one in stents}
     stenosis, *beside = (one.words for one in outcome_facts(stents, result.lesions))
@@ -191,8 +191,8 @@ def _stenosis(
     lesions: Sequence[TreatedLesion] | None,
     every: Sequence[TreatedStent],
 ) -> Fact:
-    """The worst lesion that the stents cover, and what is left in its vessel, wherever that is; of
-    stents that cover none the lesion beside them."""
+    """Fact on the worst lesion that the stents cover, and on the residual stenosis in its vessel,
+    wherever that is; of stents that cover none on the lesion beside them."""
     if not lesions:
         words = NOT_LOOKED_FOR if lesions is None else COVERS_NONE
         return _left(math.nan, words, "", "no lesions are known")

@@ -93,14 +93,14 @@ def size_words(value: float) -> str:
 
 
 def degree_word(percent: float | None) -> str:
-    """Percent stenosis; there is none where it is nothing, to the percent, or less."""
+    """Percent stenosis; "none" where it is nothing, to the percent, or less."""
     if percent is None or not math.isfinite(percent):
         return UNKNOWN
     return f"{percent:.0f} %" if round(percent) > 0 else "none"
 
 
 def degree_text(percent: float | None, sizes: str = "") -> str:
-    """The same; how far the lumen is above its reference, and what it follows from, in brackets."""
+    """Percent stenosis; in brackets the rise above the reference, and the sizes behind it."""
     is_above = percent is not None and math.isfinite(percent) and round(percent) < 0
     above = f"{-percent:.0f} % above reference" if percent is not None and is_above else ""
     details = ", ".join(part for part in (above, sizes) if part)

@@ -1,5 +1,4 @@
-"""From a segmentation to a vessel: its surface with flat ends, its centerline, and how exact
-numbers of it are."""
+"""Vessel from a segmentation: surface with flat ends, centerline, exactness of its numbers."""
 
 from .contour import contoured as contoured
 from .labelmap import Labelmap as Labelmap

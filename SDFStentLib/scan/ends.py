@@ -68,7 +68,7 @@ class FlatEnds(NamedTuple):
     """A vessel with flat ends."""
 
     segment: Segment
-    """Its inlet comes first of its faces."""
+    """Segment, of whose faces the inlet comes first."""
     planes: tuple[CutPlane | None, ...]
     """The plane of each end; where none cuts one vessel alone the end stays as it is."""
 

@@ -229,7 +229,7 @@ def _of_ends(part: Labelmap, dead: Sequence[RoundEnd]) -> list[Caution]:
 
 
 def _moved(part: Labelmap, cautions: Sequence[Caution]) -> list[Caution]:
-    """The same warnings, their places in the patient."""
+    """Cautions with their places in the patient."""
     return [
         one
         if one.place is None

@@ -27,7 +27,7 @@ class Ranged(NamedTuple):
     """A quantity of one thing, before treatment and after it."""
 
     name: str
-    """Such as "lesion 1"."""
+    """Name of the thing, such as "lesion 1"."""
     before: Span
     after: Span | None = None
 
@@ -38,11 +38,11 @@ class VoxelRange(NamedTuple):
     half: float
     """Half a voxel, mm."""
     minima: tuple[Ranged, ...]
-    """Of lesions: inscribed diameters, mm,"""
+    """Minimum inscribed diameters of lesions, mm,"""
     stenoses: tuple[Ranged, ...]
-    """and percentages by diameter."""
+    """and their stenoses by diameter, percent."""
     lumens: tuple[Ranged, ...] = ()
-    """Of stents that lie in the vessel in the end: narrowest inscribed diameters, mm."""
+    """Narrowest inscribed diameters of stents that lie in the vessel in the end, mm."""
     drops: tuple[Ranged, ...] = ()
     """Recovered pressure drops at the mean flow, mmHg."""
 
@@ -157,7 +157,7 @@ def _closed(lesion: Lesion, native: Lesion, half: float) -> Lesion:
 
 
 def _carried_out(result: PlanResult, wall: _Wall) -> TreatedCase:
-    """The same stents at the same places in a vessel whose wall was moved."""
+    """Treatment with the same stents at the same places in a vessel whose wall was moved."""
     case = case_of(result.plan, result.inputs)
     settings = replace(case.plan.settings, certify=False)
     plan = replace(case.plan.in_frame(case.frame), stents=case.stents, settings=settings)
@@ -179,7 +179,7 @@ def _drops(result: PlanResult, wall: PlanResult | TreatedCase) -> tuple[list[flo
 
 
 def _moved_lesions(lesions: Sequence[Lesion], vessel: Vessel, moved: Vessel) -> tuple[Lesion, ...]:
-    """The same lesions on a wall that was moved, against healthy vessel at the same places."""
+    """Lesions on a wall that was moved, against healthy vessel at the same places."""
     places = [side for one in lesions for side in (one.proximal, one.distal) if side is not None]
     if not places:
         return tuple(lesions_after(lesions, moved.surface))
@@ -194,7 +194,7 @@ def _moved_lesions(lesions: Sequence[Lesion], vessel: Vessel, moved: Vessel) -> 
 
 
 def _directions(vessel: Vessel, places: Points) -> Points:
-    """Along the vessel's lines, at places (n, 3) on them."""
+    """Directions (n, 3) of the vessel's lines at places (n, 3) on them."""
     lines = list(vessel.branches.values())
     nearest = [line.nearest(places) for line in lines]
     which = np.argmin([one.distances for one in nearest], axis=0)

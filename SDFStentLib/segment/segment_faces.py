@@ -85,7 +85,7 @@ def segment_faces(
 
 
 def with_inlets(faces: Sequence[SegmentFace], names: Sequence[str]) -> tuple[SegmentFace, ...]:
-    """The same faces, of whose ends some are inlets, first and by these names; others are outlets.
+    """Faces with some ends as inlets, first and by these names; others are outlets.
 
     The first inlet is called `inlet`, and others after their vessels.
     """

@@ -126,7 +126,7 @@ def _plane(ends: SegmentEnds, step: TriedPlace, lumen: Surface) -> CutPlane | No
 
 
 def _all_cut(states: Sequence[OpenSegment], plane: CutPlane) -> tuple[OpenSegment, ...] | None:
-    """Every state without the part beyond a plane; None where that part is not the same in all."""
+    """States without the part beyond a plane; None where that part is not the same in all."""
     cut = [found for state in states if (found := state.cut_off(plane)) is not None]
     areas = [one.areas[-1] for one in cut]
     if len(cut) < len(states) or max(areas) > ALIKE**2 * min(areas):

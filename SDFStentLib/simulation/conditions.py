@@ -116,7 +116,7 @@ class EndFlows:
         }
 
     def over_cycle(self, segment: Segment, means: Mapping[str, float]) -> Cycle | None:
-        """The same over a wave, at its rows.
+        """Flow through each end over a wave, at its rows.
 
         One wave of all inlets has the same shape at every end; where inlets have waves of their
         own, each moment is taken as steady flow.
@@ -158,7 +158,7 @@ class EndFlows:
 
 
 def ends_of(segment: Segment) -> list[SegmentFace]:
-    """Its inlets and outlets."""
+    """Inlets and outlets of a segment."""
     return [face for face in segment.faces if face.kind != "wall"]
 
 

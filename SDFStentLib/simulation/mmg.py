@@ -95,7 +95,7 @@ def _failed(name: str, words: str) -> DeploymentError:
 
 
 def _program(name: str) -> str:
-    """Among the programs of this Python, or where the shell looks."""
+    """Path of MMG's program, of this Python's scripts or where the shell looks."""
     beside = sysconfig.get_path("scripts")
     for full in (f"{name}_O3", name):
         found = shutil.which(full, path=beside) or shutil.which(full)

@@ -14,7 +14,7 @@ from ..validation import DeploymentError, Flags, Floats, Indices, Points
 from .mmg import MeditMesh, by_mmg
 
 TOLERANCE = 0.02
-"""Up to so far the points of the old wall lie from the new one, mm."""
+"""Largest distance of the old wall's points from the new one, mm."""
 
 CHORD = 0.75
 """Part of the tolerance that the edges of a round wall may take."""

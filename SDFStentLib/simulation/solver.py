@@ -98,7 +98,7 @@ def _last_words(log: Path) -> str:
 
 
 UNSTEADY = 0.02
-"""Part of the inlet pressure from which on flow is told to be unsteady."""
+"""Part of the inlet pressure beyond which flow is called unsteady."""
 
 
 class Simulated(NamedTuple):
@@ -111,7 +111,7 @@ class Simulated(NamedTuple):
     fine: dict[str, CaseResult]
     """Results by state,"""
     coarse: dict[str, CaseResult]
-    """and those on the coarser mesh where that was solved."""
+    """and results on the coarser mesh where that was solved."""
 
 
 def read_results(folder: Path) -> Simulated:

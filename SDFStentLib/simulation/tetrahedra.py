@@ -41,7 +41,7 @@ class Quality(NamedTuple):
     points: int
     tetrahedra: int
     smallest_angle: float
-    """Between two sides of a tetrahedron, degrees."""
+    """Smallest angle between two sides of a tetrahedron, degrees."""
     largest_angle: float
 
 

@@ -1,4 +1,4 @@
-"""A stent as its maker offers it: what is known of its sizes, and where that is from.
+"""A stent as its maker offers it: its known sizes, and their source.
 
 What is not known stays unknown: no number stands in for it.
 """

@@ -26,7 +26,7 @@ LOOP = 1e-3
 """Distance of the ends of a curve over its length up to which it is a closed loop."""
 
 FARTHEST = 1e4
-"""Along a vessel, mm; more is another unit or a slip."""
+"""Farthest place along a vessel, mm; more is another unit or a slip."""
 
 TURNED_BACK = -0.999
 """Cosine of the turn, 177 degrees, from which on a curve goes back the way that it came."""

@@ -61,7 +61,7 @@ class DiametersAlong(NamedTuple):
     diameters: Floats
     """(k,) mm."""
     cap_height: float = 1.0
-    """The same as of `Shape`."""
+    """Cap height as of `Shape`."""
 
     @property
     def widest(self) -> float:

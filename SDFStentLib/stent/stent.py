@@ -150,7 +150,7 @@ class Stent(ByValue):
         _ = self.foreshortening  # not known, it is missed here rather than in the vessel
 
     def at(self, placement: Placement | None) -> Stent:
-        """The same at another place, or at none; errors as of a new one."""
+        """The stent at another place, or at none; errors as of a new one."""
         return replace(self, placement=placement)
 
     @property
@@ -190,7 +190,7 @@ class Stent(ByValue):
         return _KEPT_BY_PLACE.get(type(self.placement), self.keeps)
 
     def device_cautions(self) -> Iterator[Caution]:
-        """Cautions where it is used beyond what is known of its device; none without one.
+        """Cautions for a use beyond its device's known sizes; none without a device.
 
         The device is opened as far as its balloon, or where the stent is widest.
         """

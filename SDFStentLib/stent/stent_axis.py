@@ -35,7 +35,7 @@ from .shape import DiametersAlong
 from .stent import Stent
 
 FAR = 0.5
-"""The distance to the centerline from which on it is told, in local inscribed radii."""
+"""Distance to the centerline that a caution tells, in local inscribed radii."""
 
 FAR_UNKNOWN = 2.0
 """The same where the radius is unknown, mm."""
@@ -54,7 +54,7 @@ def placement_points(placement: Placement | None) -> list[tuple[str, Floats]]:
 
 
 def beside(placement: Placement | None, centerline: Centerline) -> Iterator[Caution]:
-    """Every point that is noticeably away from where the stent is put."""
+    """Caution for every point that is noticeably away from where the stent is put."""
     for name, point in placement_points(placement):
         place = centerline.project(point)
         radius = place.inscribed_radius
@@ -69,7 +69,7 @@ def beside(placement: Placement | None, centerline: Centerline) -> Iterator[Caut
 
 
 FARTHEST_PLACEMENT = 2.0
-"""A placement may be this many local inscribed radii away from the centerline."""
+"""Largest distance of a placement from the centerline, in local inscribed radii."""
 
 FARTHEST_PLACEMENT_UNKNOWN = 20.0
 """The same where the radius is unknown, mm."""

@@ -17,7 +17,7 @@ from .profile import Stage
 from .value import PlacedStent, TreatedStent
 
 _APART = 0.5
-"""Another stent lies in the same vessel where the axes are nearer than so many of its radii."""
+"""Distance of axes, in a stent's radii, within which another one lies in the same vessel."""
 
 _SPACING = 0.1
 """The distance of the places of another stent that are looked at, mm."""

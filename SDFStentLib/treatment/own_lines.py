@@ -41,14 +41,14 @@ SMOOTHED = 20
 shorter than half a diameter or so."""
 
 AGAIN = 1
-"""The same for the centers of spheres, which are exact but for the triangles of the wall."""
+"""Number of times for the centers of spheres, which are exact but for the triangles of the wall."""
 
 ASIDE = 0.5
 """A sphere whose center is farther aside, in its radii, is that of another place."""
 
 
 class Extraction(NamedTuple):
-    """Centerlines of a bare surface, and what there is to say of them."""
+    """Centerlines of a bare surface, and cautions on them."""
 
     lines: ExtractedLines
     warnings: tuple[Caution, ...]
@@ -120,7 +120,7 @@ def extract_centerline(
 
 
 class _Goals(NamedTuple):
-    """Between which balls of a lumen lines are drawn."""
+    """Balls of a lumen between which lines are drawn."""
 
     balls: InnerBalls
     inlet: int
@@ -153,7 +153,7 @@ class _Drawing:
     def __init__(self, tree: list[Indices], centers: Points, radii: Floats) -> None:
         self._station_of: dict[int, int] = {}
         self._ranges: list[tuple[int, int]] = []
-        """For every way its first station and the one behind its last."""
+        """First station of every way, and the one behind its last."""
         self._begins: list[int] = []
         """The station of another way at which each begins, -1 at the inlet."""
         points: list[Points] = []

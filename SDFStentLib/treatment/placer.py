@@ -24,7 +24,7 @@ class InterimVessel(NamedTuple):
     """A vessel between two stents of a plan."""
 
     vessel: Surface | VesselInside
-    """Into which the next one is put."""
+    """Vessel into which the next one is put."""
     centerline: Centerline | None
     companions: Points = np.empty((0, 3))
     """(c, 3) further points that are dragged along, mm."""

@@ -112,7 +112,7 @@ class StentMiddle(NamedTuple):
     way: Line
     """The way from the root to the end of the branch."""
     at: float
-    """Along the way, mm."""
+    """Arc length of the middle on the way, mm."""
     start: float
     """The start of the branch, along the way, mm."""
     lesion: Lesion | None

@@ -100,7 +100,8 @@ _SHOULDER = 0.5
 lesion, where the lumen is less than a tenth narrower than the reference, it is no narrower."""
 
 _PART = 1.0
-"""The same between the ends: narrower over less than twice that is a slope, and no healthy part."""
+"""Diameters likewise between the ends: narrower over less than twice that is a slope, and no
+healthy part."""
 
 
 class HealthyVessel(NamedTuple):

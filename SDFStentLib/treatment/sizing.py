@@ -122,7 +122,7 @@ class Suggestion:
 
     @property
     def deployed_length(self) -> float:
-        """After foreshortening, mm."""
+        """Length after foreshortening, mm."""
         assert self.stent.length is not None
         return self.stent.length * (1.0 - self.stent.foreshortening)
 

@@ -210,7 +210,7 @@ class Treatment:
         )
 
     def _all_treated(self, after: Surface) -> tuple[TreatedStent, ...]:
-        """Every stent with what is measured of it; one that touches no wall covers no branch."""
+        """Treated stents, measured; one that touches no wall covers no branch."""
         found = [self._treated(stage, after) for stage in self._stages]
         touching = [
             stage

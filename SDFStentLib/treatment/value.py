@@ -78,7 +78,7 @@ class PlacedStent:
     stent: Stent
     axis: StentAxis
     row: int = field(default=0, kw_only=True)
-    """Its row for whoever reads of it, from 1: its number in the plan, unless told otherwise."""
+    """Row for whoever reads of it, from 1: its number in the plan, unless told otherwise."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "row", self.row or self.number)
@@ -202,9 +202,7 @@ class TreatmentResult:
 
     @property
     def final_stents(self) -> tuple[TreatedStent, ...]:
-        """The stents that lie in the vessel in the end: one that is dilated again once, as the
-        last.
-        """
+        """Stents that lie in the vessel in the end: one that is dilated again once, as the last."""
         return tuple(stent for stent in self.stents if stent.again is None)
 
     @cached_property

@@ -118,7 +118,7 @@ class Vessel:
 
     @cached_property
     def with_islands(self) -> Surface:
-        """Its wall with what floats beside the centerline, which narrows the lumen, too."""
+        """Wall with islands beside the centerline, which narrow the lumen, too."""
         tree = self.centerline
         return self.surface if tree is None else self.surface.with_islands(tree.points)
 

@@ -100,7 +100,7 @@ class FoundNarrowing:
 
     @cached_property
     def narrowest(self) -> int:
-        """Its narrowest station."""
+        """Index of its narrowest station."""
         return int(np.abs(self.run.along - self.narrow.narrowest).argmin())
 
     @cached_property

@@ -57,7 +57,7 @@ def measured(lesions: Sequence[Lesion], surface: Surface, wall: LocalSurface) ->
 def lesions_after(
     lesions: Sequence[Lesion], surface: Surface, moved: MovedWall | None = None
 ) -> list[Lesion]:
-    """The same parts of a vessel against the same references after treatment.
+    """Lesions after treatment, at the same parts of the vessel against the same references.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ _HEALTHY_SECTIONS = 5
 lines that go aslant, only make them larger."""
 
 _BESIDE = 2.0
-"""Widths of a lesion from its line beyond which no section goes that is its vessel's own."""
+"""Distance from a lesion's line, in its widths, within which its own sections lie."""
 
 ABOUT = 1.01
 """Times the narrowest up to which another place is as narrow."""
@@ -53,7 +53,7 @@ class LesionLine(NamedTuple):
     """The line of a lesion from its start to its end."""
 
     line: Line
-    """Through k points."""
+    """Centerline of the lesion through k points."""
     healthy: Floats
     """(k,) diameters of the healthy vessel, mm."""
     diameters: Floats

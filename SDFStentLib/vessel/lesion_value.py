@@ -18,9 +18,9 @@ class HealthyPlace:
     """Healthy vessel that a lesion is measured against."""
 
     point: Place
-    """Its place on the centerline, mm."""
+    """Place on the centerline, mm."""
     arc_length: float
-    """Its arc length from the root, mm."""
+    """Arc length from the root, mm."""
     diameter: float
     """Inscribed, the usual one about the point, mm."""
     cut: Callable[[], float] = field(repr=False)
@@ -50,7 +50,7 @@ class Lesion:
     """The arc length of the narrowest place."""
     start: float
     end: float
-    """Between these arc lengths it is more than a tenth narrower than the reference."""
+    """Arc lengths between which it is more than a tenth narrower than the reference."""
     point: Place
     """Center of the inscribed sphere at the narrowest place, mm."""
     minimum_diameter: float
@@ -62,7 +62,7 @@ class Lesion:
     distal: HealthyPlace | None
     """Healthy places it is measured against; None for a side without one, such as a junction."""
     reference: str
-    """The same in words, to follow "against"."""
+    """Reference in words, to follow "against"."""
     line: Line
     """The centerline from `start` to `end`, through k points."""
     healthy: Floats

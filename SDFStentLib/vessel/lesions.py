@@ -127,7 +127,7 @@ def vessel_name(run: VesselRun, is_main: bool) -> str:
 
 
 def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
-    """The same part of the vessel against the same reference on another surface.
+    """Lesion on another surface, at the same part of the vessel against the same reference.
 
     Parameters
     ----------

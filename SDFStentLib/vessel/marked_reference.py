@@ -52,7 +52,7 @@ def lesions_against(
 def lesion_against(
     lesion: Lesion, places: Sequence[ArrayLike], surface: Surface, centerline: Centerline
 ) -> Lesion:
-    """The same lesion against healthy vessel that the user marked.
+    """Lesion against healthy vessel that the user marked.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ class Plateau(NamedTuple):
     arc_length: float
     """The arc length of its middle, from the root, mm."""
     diameter: float
-    """Its median, mm."""
+    """Median diameter, mm."""
 
 
 class Reference(NamedTuple):
@@ -248,7 +248,7 @@ def _widest(caliber: Caliber, at: int, way: int, reach: float = np.inf) -> float
 
 
 def _one_sided(caliber: Caliber, at: int, way: int) -> float:
-    """The same near a junction, but in an aneurysm.
+    """Width again near a junction, but in an aneurysm.
 
     That is widest in its middle third, loses half of it as fast as a throat regains it, and beyond
     it the vessel stays as narrow as before.

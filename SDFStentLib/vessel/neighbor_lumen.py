@@ -46,7 +46,7 @@ class NeighborLumen:
     path: Line
     """The path from the stent on."""
     distance: float
-    """Along the path to where it lost most,"""
+    """Distance along the path to where it lost most,"""
     before: float
     """its diameter there before"""
     after: float
@@ -89,7 +89,7 @@ class VesselStates(NamedTuple):
     """A vessel at four times; the same triangles throughout."""
 
     native: Surface
-    """Before any stent,"""
+    """Surface before any stent,"""
     found: Surface
     """as a stent found it,"""
     left: Surface

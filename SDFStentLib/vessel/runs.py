@@ -50,7 +50,7 @@ class VesselRun(NamedTuple):
     """Stations along one vessel, from the root's side on, and how it begins and ends."""
 
     line: Line
-    """Through the n stations."""
+    """Line through the n stations."""
     along: Floats
     """(n,) arc length from the root, mm."""
     diameter: Floats
@@ -75,7 +75,7 @@ class VesselRun(NamedTuple):
 
     @property
     def is_onward(self) -> bool:
-        """Whether none that is much wider begins beside it: its parent goes on in it, too."""
+        """Whether no much wider vessel begins beside it: its parent goes on in it, too."""
         return bool(self.beside) and self.caliber >= SAME_CALIBER * max(self.beside)
 
     @property

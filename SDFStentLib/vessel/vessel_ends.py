@@ -39,11 +39,11 @@ class LineSeeds(NamedTuple):
     """The points of a surface between which centerlines are looked for."""
 
     surface: Surface
-    """Closed, with a point in the middle of every end."""
+    """Closed surface, with a point in the middle of every end."""
     inlet: int
     """Its point at the proximal end,"""
     outlets: tuple[int, ...]
-    """and at every other."""
+    """and the points at the other ends."""
 
 
 def vessel_ends(surface: Surface) -> list[VesselEnd]:
@@ -101,7 +101,7 @@ class KnownEnds(NamedTuple):
     """The ends of a surface that are open, flat or named."""
 
     surface: Surface
-    """Closed, with a point in the middle of every open and flat end."""
+    """Closed surface, with a point in the middle of every open and flat end."""
     inlet: int | None
     """Its point at the proximal end; None where that may only be a round one."""
     outlets: tuple[int, ...]

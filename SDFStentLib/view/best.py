@@ -24,7 +24,7 @@ APART = 60.0
 """Degrees between the two views of a biplane, at least."""
 
 AS_GOOD = 0.01
-"""Of views that show as much to one percent, which is as they are told, the least steep is
+"""Share by which views count as equal, as they are told to the percent; of such the least steep is
 taken."""
 
 
@@ -37,7 +37,7 @@ class SeenView(NamedTuple):
     covered: float
     """Share of the stretch that lies under other lumen."""
     ostia_covered: float
-    """The same of the beginnings of the branches beside it; 0 where there is none."""
+    """Share of the beginnings of the branches beside it that is covered; 0 where there is none."""
     seen: float
     """Share that is seen: what is left of the length, times what is free of the area of both."""
     over_it: tuple[int, ...] = ()
@@ -180,7 +180,7 @@ def _at(grid: ViewMap, number: int) -> ArmView:
 
 
 def _least_steep(grid: ViewMap, allowed: Flags, most: float) -> ArmView:
-    """Of the allowed views that show as much as `most`, or as the best of them."""
+    """Least steep of the allowed views that show as much as `most`, or as the best of them."""
     seen = np.where(allowed, grid.seen, -np.inf).ravel()
     steepness = np.hypot(*_pairs(grid.primary, grid.secondary))
     good = np.flatnonzero(seen >= max(most, seen.max()) - AS_GOOD)

@@ -14,10 +14,12 @@ from ..validation import Floats, Points, Triangles
 from ..vessel import OWN_SECTION, HealthyPlace, Lesion, tightest
 
 SECTIONS = 33
-"""Along a lesion, at least: as many as `measure` cuts at first, and one at its middle."""
+"""Number of sections along a lesion, at least: as many as `measure` cuts at first, and one at its
+middle."""
 
 _HEALTHY = 5
-"""Along a diameter of healthy vessel, whose median width counts: a branch widens some."""
+"""Number of them along a diameter of healthy vessel, whose median width counts: a branch widens
+some."""
 
 
 class SeenStenosis(NamedTuple):
@@ -179,7 +181,7 @@ def _wall_round(surface: Surface, line: Line, expected: Floats) -> tuple[Points,
 
 
 def _healthy_sections(surface: Surface, tree: Centerline, side: HealthyPlace) -> Sections | None:
-    """Along a diameter's length of healthy vessel."""
+    """Sections along a diameter's length of healthy vessel."""
     line = tree.path_around(side.point, side.diameter).line
     if line.length <= 0:
         return None

@@ -56,5 +56,5 @@ class ViewWishes:
 
     @property
     def view(self) -> ArmView | None:
-        """The view that is told, too."""
+        """Chosen view, shown beside the proposed ones; None without both angles."""
         return None if self.lao is None or self.cra is None else ArmView(self.lao, self.cra)

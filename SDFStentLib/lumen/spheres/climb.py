@@ -28,8 +28,8 @@ _FIRST_BOX, _SMALLEST_BOX, _LARGEST_BOX = 0.05, 0.005, 0.5
 of the box is nearer than the wall."""
 
 WAY_BOX = 0.25
-"""The same on a way: from one place to the next the middle moves farther than a search's end does.
-Where spheres end does not depend on it."""
+"""Box on a way: from one place to the next the middle moves farther than a search's end does. Where
+spheres end does not depend on it."""
 
 _ROUNDS = 200
 """Most steps of a climb; one that is not done by then ends where it is, with the radius there."""

@@ -17,11 +17,11 @@ from .climb import InscribedSpheres
 from .max_min_step import LinearRows, largest_steps
 
 _ACROSS = 6
-"""Fields on each side of a cube in which directions are told apart: 15 degrees each."""
+"""Directions by side of a cube: 15 degrees each."""
 
 _DIAMETERS, _MORE = 0.75, 3.0
-"""So many diameters and mm more of the wall round a station are followed: a stent that is wider
-than the vessel reaches wall that no sphere touched before it."""
+"""Diameters, and mm more, of the wall round a station that is followed: a stent that is wider than
+the vessel reaches wall that no sphere touched before it."""
 
 _STEPS = 5
 """Steps of a climb; with more of them radii change by less than a percent."""

@@ -16,7 +16,7 @@ that grows threefold while a center is far from its place. With few centers a se
 than what it finds: up to the most, so many over their number."""
 
 _HELD = 0.7
-"""Share of the centers left from which on what is known of the others is dropped."""
+"""Share of the centers left at which bounds of the others are dropped."""
 
 
 class Neighborhood:
@@ -31,7 +31,7 @@ class Neighborhood:
         self._pairs = NearPairs(nothing, nothing, np.empty(0))
 
     def forget(self, active: Indices, moved: Floats) -> None:
-        """Centers have moved: what is known of distances shrinks by as much."""
+        """Shrink the bounds on distances by as much as the centers have moved."""
         self._covered[active] -= moved
         self._moved[active] += moved
 

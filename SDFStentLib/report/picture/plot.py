@@ -33,7 +33,7 @@ _CURVES = (
 
 
 AS_WIDE = 0.97
-"""The part of what was prescribed from which on it is told as reached."""
+"""Part of the prescribed diameter from which on it counts as reached."""
 
 SPHERE_HELD = (
     "Where the stent widens the sphere is held by the narrower wall beside it: smaller than "

@@ -66,7 +66,7 @@ class Lumen(NamedTuple):
         return float(self.arc_length[np.argmin(self.diameters[0])])
 
     def at(self, arc_length: float) -> Floats:
-        """Before and after, mm."""
+        """Diameters (2,) before and after, mm."""
         return np.array([np.interp(arc_length, self.arc_length, each) for each in self.diameters])
 
 

@@ -57,7 +57,8 @@ class Viewpoint(NamedTuple):
         return np.asarray(middle + self.per_mm * self.flat(points) * (1, -1))
 
     def framing(self, points: Points, aspect: float) -> Viewpoint:
-        """The same direction, with all points in a picture of that width over height."""
+        """Viewpoint of the same direction, with all points in a picture of that width over
+        height."""
         flat = self.flat(points)
         width, height = np.ptp(flat, axis=0)
         x, y = (flat.min(axis=0) + flat.max(axis=0)) / 2

@@ -33,15 +33,15 @@ class Stretch:
 
     title: str
     line: Line
-    """Its axis, mm."""
+    """Axis of the stretch, mm."""
     radii: Floats
     """(k,) of the lumen at its points, mm."""
     length: float
     """mm"""
     lesion: Lesion | None = None
-    """As found before treatment, where it is one,"""
+    """Lesion before treatment, where it is one,"""
     after: Lesion | None = None
-    """and the same after it."""
+    """and after it."""
 
 
 class ToldViews(NamedTuple):
@@ -54,7 +54,7 @@ class ToldViews(NamedTuple):
     typed: tuple[SeenView, ...]
     """Views that the user asks about."""
     facts: tuple[Facts, ...]
-    """Of the best view, the second, the worst, and of those."""
+    """Facts on the best view, the second, the worst, and on those."""
 
     @property
     def sentences(self) -> list[str]:
@@ -142,7 +142,7 @@ class Stenosis(NamedTuple):
     """Percent by the inscribed diameter."""
 
     def facts(self) -> Iterator[Fact]:
-        """Of both."""
+        """Facts on the stenosis in the picture and in 3D."""
         percent, key = self.seen.percent, f"stenosis.{self.state}"
         words = f"{degree_word(percent)} ({degree_word(self.in_3d)} in 3D)"
         label = f"Stenosis {self.state}"

@@ -33,7 +33,7 @@ class Film(NamedTuple):
     axes: Floats
     """(3, 3) right, up, and toward the detector."""
     side: float
-    """Of the picture, mm."""
+    """Side of the picture, mm."""
     bar: float
     """Length of the black bar at its right lower edge, mm."""
 
@@ -57,7 +57,7 @@ def beam_of(
     source: float | None = SOURCE,
     reach: float | None = None,
 ) -> Beam:
-    """Its rays."""
+    """Rays of a view of the stretch."""
     radius = float(np.nanmax(stretch.radii))
     return beam_on(stretch.line, radius, view, frame, source=source, reach=reach)
 

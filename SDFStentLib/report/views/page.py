@@ -14,8 +14,8 @@ NOT_TOLD = "not told"
 
 
 def views_part(planned: PlannedViews) -> list[str]:
-    """Every stent before and after in its best view, and in one that was chosen, a table of its
-    views, and the map of all."""
+    """Pictures of every stent before and after in its best view, and in one that was chosen, a
+    table of its views, and the map of all."""
     if planned.reason:
         return [heading(HEADING), paragraph(f"{NOT_TOLD.capitalize()}: {planned.reason}", "small")]
     several = len(planned.stents) > 1

@@ -102,7 +102,7 @@ def views_drawing(
 def seen_drawing(
     told: ToldViews, walls: Sequence[Surface], seen: SeenView, struts: Sequence[Floats]
 ) -> Drawing:
-    """Before and after beside each other, from one view; arguments as of `views_drawing`."""
+    """Drawing of before and after, side by side, from one view; arguments as of `views_drawing`."""
     places = [(column * (SIDE + GAP), 0) for column in range(len(walls))]
     marks = _photos(told, walls, seen, Look(), struts, places)
     note = Words(_note(Look()), 0, SIDE + 20, 12, GRAY, "start")

@@ -28,7 +28,7 @@ class SeenStent(NamedTuple):
     number: int
     told: ToldViews
     walls: tuple[Surface, Surface]
-    """Before and after treatment."""
+    """Walls before and after treatment."""
     struts: Sequence[Floats]
 
     @property
@@ -37,7 +37,7 @@ class SeenStent(NamedTuple):
         return self.told.stretch.title
 
     def drawings(self) -> Iterator[tuple[Facts, Drawing]]:
-        """Before and after in the best view, and in those that were chosen, with their facts."""
+        """Drawings before and after in the best view, and in chosen ones, with their facts."""
         typed = self.told.typed
         views = [self.told.found.best, *typed]
         facts = [self.told.facts[0], *self.told.facts[len(self.told.facts) - len(typed) :]]
@@ -111,7 +111,7 @@ def write_angiogram(
 
 
 def _seen(result: PlanResult, wishes: ViewWishes, hides_device: bool) -> tuple[SeenStent, ...]:
-    """Each stent; errors as of `Sight.told`."""
+    """Views of each stent; errors as of `Sight.told`."""
     stents, frame = result.told.final_stents, result.inputs.frame
     struts = () if hides_device else strut_curves(stents)
     walls = result.inputs.surface.surface, result.treatment.surface

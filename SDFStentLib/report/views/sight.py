@@ -101,7 +101,7 @@ class Sight:
 
     @cached_property
     def _sections(self) -> Mapping[str, LesionSections]:
-        """Of a lesion before, and after where it was treated."""
+        """Sections of a lesion before, and after where it was treated."""
         lesion = self.stretch.lesion
         states = (("before", lesion), ("after", self.stretch.after))
         if lesion is None:
