@@ -274,7 +274,7 @@ GRAVEST = (
     "too-coarse", "facets-inside", "lesion-uncovered", "shortened", "narrower", "narrowed",
     "neighbor-narrowed", "tight-bend", "cap-bulged", "new-slivers",
 )  # fmt: skip
-"""Kinds that come first where not all are told; others follow as they came."""
+"""Kinds by gravity, for a choice of cautions; others follow as they came."""
 
 NO_REMEDIES = {"to": "", "straighten": "", "units": "", "cycle": ""}
 

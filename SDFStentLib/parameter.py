@@ -110,7 +110,7 @@ class Parameter:
 
 
 def parameter(does: str, default: Any = MISSING, **more: Any) -> Any:
-    """A field of a dataclass that is a parameter; it is optional if None is its default.
+    """Field of a dataclass with a parameter; it is optional if None is its default.
 
     Other arguments are those of `Parameter`.
     """

@@ -14,8 +14,7 @@ MILLIMETERS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 """Number of millimeters in each unit that a file may use."""
 
 MOST_FLOW = 10_000.0
-"""Largest flow that is accepted, mL/s; 600 L/min is more than ten times the peak
-flow of a heart."""
+"""Largest accepted flow, mL/s; 600 L/min is more than ten times the peak flow of a heart."""
 
 
 def millimeters_per(units: str) -> float:
@@ -50,8 +49,7 @@ def flipped(points: Points) -> Points:
 
 
 def place_text(place: Place, units: str) -> str:
-    """A place to a tenth of a millimeter, followed by the same in the file's unit if that is
-    another one."""
+    """Place to a tenth of a millimeter, followed by that in the file's unit if another one."""
     return f"{coordinates(place, '.1f')} mm{in_file(place, units)}"
 
 

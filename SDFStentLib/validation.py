@@ -256,7 +256,7 @@ def check_is_a(value: Any, kind: type, name: str) -> None:
 
 
 def as_length(value: Any, name: str, shortest: float, longest: float) -> float:
-    """A length in mm that is greater than 0 and plausible; raises `InputError` otherwise."""
+    """Length in mm, above 0 and plausible; raises `InputError` otherwise."""
     length = as_number(value, name, unit="mm", above=0)
     return as_number(length, name, unit="mm", minimum=shortest, maximum=longest)
 

@@ -54,7 +54,7 @@ class Request(NamedTuple):
     number: int
     """Number of the request: answers to earlier ones are not read any more."""
     held: list[Any] | None = None
-    """A vessel and what it holds, which later messages only name."""
+    """Vessel and its parts, which later messages only name."""
     treatment: Treatment | None = None
     """Treatment to begin,"""
     surveyed: Treatment | None = None
@@ -98,7 +98,7 @@ class Shared:
         self.add(objects)
 
     def add(self, objects: Sequence[Any]) -> None:
-        """Hold these, too, where that is not done yet."""
+        """Hold these objects, too, unless they are held already."""
         for one in objects:
             if id(one) not in self._places:
                 self._places[id(one)] = len(self._held)
@@ -281,7 +281,7 @@ class TreatmentProcess:
             return  # ended before it was ready
 
     def _connected(self, seconds: float) -> Connection | None:
-        """The connection once there is one, with all sent that waits for it."""
+        """Connection, once made, after sending what waits for it."""
         if self._connection is None:
             self._starting.join(seconds)
         if self.has_ended:

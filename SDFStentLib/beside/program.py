@@ -40,7 +40,7 @@ class Program:
             self._do(self._shared.unpacked(self._requests.get()))
 
     def _receive(self) -> None:
-        """Read at once what comes, so that nobody waits who sends it; end when nobody sends."""
+        """Read requests at once, so that their sender never waits; exit when it has ended."""
         try:
             # Ends with the connection.
             while True:
@@ -121,7 +121,7 @@ class Program:
 
 
 def main() -> None:
-    """Connect to the process that has started this one, by what it writes on stdin."""
+    """Connect to the parent process, by the address and key on stdin."""
     address, key = json.loads(sys.stdin.readline())
     try:
         connection = Client(address, authkey=bytes.fromhex(key))

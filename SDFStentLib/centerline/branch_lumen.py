@@ -77,7 +77,7 @@ def branch_of_points(
 
 
 def _joined_nodes(branches: Sequence[Indices], arc_length: Floats) -> Indices:
-    """The point that stands for each: both ends of a branch without length are one."""
+    """Representative of each point: both ends of a branch without length are one."""
     joined = np.arange(len(arc_length))
     for branch in sorted(branches, key=lambda b: arc_length[b[0]]):
         if np.ptp(arc_length[branch]) <= SAME_PLACE:

@@ -320,7 +320,7 @@ class Centerline:
         return CenterlinePath(line.without_repeats(), radius[line.distinct], tuple(choices))
 
     def _on_line_to(self, end: Location, start: Location) -> Location:
-        """A place whose lumen leads to another one, moved onto the line that arrives there."""
+        """Place moved onto the line that arrives there, where its lumen leads to another's."""
         nodes = self.ancestry(end.index)
         if not self.lumens or start.index in nodes or start.arc_length > end.arc_length:
             return start

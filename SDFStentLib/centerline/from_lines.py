@@ -111,7 +111,7 @@ def _as_lines(lines: Sequence[ArrayLike], point_count: int) -> list[Indices]:
 
 
 def _filled(graph: LineGraph) -> Floats:
-    """The radii (n,), with that of the nearest known point where a file gives none."""
+    """Radii (n,), missing ones filled from the nearest known point."""
     known = np.isfinite(graph.radius)
     if known.all() or not known.any():
         return graph.radius

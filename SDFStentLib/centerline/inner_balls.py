@@ -77,8 +77,8 @@ def _balls(points: Points, corners: Indices) -> tuple[Points, Floats]:
 
 
 def _links(corners: Indices, neighbors: Indices, is_inside: Flags, triangles: Triangles) -> Indices:
-    """Pairs (k, 2) of tetrahedra inside that share a side, unless that is one of the surface: the
-    way across that leads through the wall."""
+    """Pairs (k, 2) of tetrahedra inside that share a side which is none of the surface: across that
+    the way leads through the wall."""
     one, side = np.nonzero(neighbors > np.arange(len(corners))[:, None])
     other = neighbors[one, side].astype(np.int64)
     both = np.flatnonzero(is_inside[one] & is_inside[other])

@@ -14,7 +14,7 @@ SAME_CALIBER = 0.8
 """Share of the widest branch's caliber from which on another branch counts as alike."""
 
 USUAL = 0.67
-"""Quantile of a branch's own diameters that is its caliber, unless it leads to a wider one: a
+"""Quantile of a branch's own diameters taken as its caliber, unless it leads to a wider one: a
 lesion of up to two thirds of its length does not lower it."""
 
 _JUNCTION = 6.0

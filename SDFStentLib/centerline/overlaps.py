@@ -28,7 +28,7 @@ _SOME = 500
 
 
 def merged_overlaps(graph: LineGraph, line_ends: Indices) -> LineGraph:
-    """The graph with lines that run along a longer one merged into that one.
+    """Graph with every line that runs along a longer one merged into it.
 
     A node within `OVERLAP_FRACTION` of the radius of a longer line's segment lies on that line.
     Where a line leaves the longer one, its last such node is moved onto it and inserted there.

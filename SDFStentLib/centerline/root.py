@@ -1,4 +1,4 @@
-"""The end at which the tree of a file's lines begins, whatever order the file has.
+"""Root of a centerline: the end at which its tree begins, whatever order the file has.
 
 Neither the order of lines and points nor the direction of pieces shows it, nor does one radius.
 """
@@ -17,8 +17,8 @@ from .line_graph import LineGraph, reach_of
 from .lumen_tree import USUAL
 
 WIDER = 1.1
-"""Width of the widest end, over that of every other, from which on it is the root whatever the
-direction in which a file stores its line; a smaller factor may come from measuring."""
+"""Ratio of the widest end to every other beyond which it is the root, whatever the direction in
+which a file stores its line; a smaller one may come from measuring."""
 
 INLET_EXTENT = 1e-2
 """Distance, over the bounding box's diagonal, within which lines begin at one inlet."""
@@ -104,7 +104,7 @@ def _way_in(
     neighbors: Callable[[int], list[int]],
     first: int | None = None,
 ) -> Indices:
-    """The nodes from an end to the next junction, or to halfway where another end comes first."""
+    """Nodes from an end to the next junction, or halfway to another end."""
     way = [node, neighbors(node)[0] if first is None else first]
     # Ends: a way from an end comes to another one, or to a junction.
     while len(onward := neighbors(way[-1])) == 2:

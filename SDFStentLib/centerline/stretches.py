@@ -21,7 +21,7 @@ SAME_LUMEN = 0.5
 of the same lumen: centers in two vessels draw apart where one lumen becomes two."""
 
 UNKNOWN_EXTENT = 1e-2
-"""Radius, over the bounding box's diagonal, that stands for that of a lumen of unknown width."""
+"""Radius of a lumen of unknown width, over the bounding box's diagonal."""
 
 _BESIDE = 0.6
 """Distance along a lumen, in spacings of its stations, within which a station of another line lies

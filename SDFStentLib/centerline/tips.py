@@ -1,4 +1,4 @@
-"""The ends of a lumen that no opening and no flat cap tells.
+"""Round ends of a lumen, at which it has neither an opening nor a flat cap.
 
 How far a lumen reaches is one function of its balls: the way of each from where all begin, and its
 radius on top. That sum hardly changes on the way from the middle of a vessel into a bump of its
@@ -54,7 +54,7 @@ class _Reach:
         self.reach[~np.isfinite(self.away)] = -np.inf
 
     def tips(self, known: Indices, wall: Surface) -> list[int]:
-        """The balls in round ends but those that are known, the farthest first."""
+        """Balls in round ends, the farthest first; not those already known."""
         centers, radii, links = self.balls
         values = self.reach.copy()
         values[known] = np.inf  # nothing reaches farther

@@ -63,7 +63,7 @@ class VesselLines:
         return self._lumens[int(self._tree.lumens[last].branch[-1])].nodes[1]
 
     def is_above(self, one: int, other: int) -> bool:
-        """Whether a stretch leads to another one, or is that one."""
+        """Whether a stretch leads to another one, or is the same."""
         # Ends: at a root at the latest, whose number is the lowest on the way.
         while other > one:
             other = self._tree.lumens[other].above
@@ -82,7 +82,7 @@ class VesselLines:
                 yield JunctionChoice(read_only(lumen.points[-1]), onward[1])
 
     def _chosen(self, number: int) -> tuple[int, Rule]:
-        """The child in which a stretch goes on, and the rule that chose it.
+        """Child in which a stretch goes on, and the rule that chose it.
 
         It is the widest, counting all that it leads to; of several alike the one that begins
         widest; and the straightest where nothing distinguishes them, as without known radii.

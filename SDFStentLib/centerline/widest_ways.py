@@ -77,7 +77,7 @@ class WidestWays:
         return _back(self._former, ball)[::-1]
 
     def tree(self, ends: Sequence[int]) -> list[Indices]:
-        """The ways to some balls, parted: where they part the widest goes on, and others begin.
+        """Ways to some balls as a tree: where they part, the widest goes on and others begin.
 
         Each has its balls from the side of the inlet on, the first one of them a ball of the way
         that it leaves. It comes after that way.
@@ -96,7 +96,7 @@ class WidestWays:
         return limbs_met(self.balls, self._former)
 
     def _widths(self, children: dict[int, list[int]]) -> dict[int, float]:
-        """The widest mean radius, by length, of a way that goes on from every ball of a tree."""
+        """Largest mean radius, weighted by length, of the ways on from each ball of a tree."""
         order = [self.inlet]
         for ball in order:
             order.extend(children.get(ball, ()))
@@ -156,8 +156,8 @@ def limbs_met(balls: InnerBalls, former: Indices) -> Indices:
 
 
 def cheapest(links: Indices, costs: Floats, count: int, source: int) -> tuple[Floats, Indices]:
-    """The least cost of every one of so many balls from one of them, infinite where none leads
-    there, and the ball before it; negative where there is none."""
+    """Least costs (count,) of the balls from one of them, infinite where none leads there, and the
+    ball before each; negative where there is none."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import dijkstra
 

@@ -12,7 +12,7 @@ from ..geometry import NO_HEIGHT, compacted, dot, face_normals, faces_at, paired
 from ..validation import Flags, Floats, Indices, Place, Points, Triangles, as_place, read_only
 
 _ROUNDING = 8 * 2.0**-53
-"""Relative rounding of a cross product, below which two sides cannot be told from parallel ones."""
+"""Relative rounding of a cross product: two sides below it count as parallel."""
 
 SLIVER_DEG = 1.0
 """Smallest angle, degrees, below which a triangle is a sliver: its longest edge is at least 57

@@ -1,4 +1,4 @@
-"""Whether a surface is ready for a mesher as it is, and which of its faults it already had."""
+"""Fitness of a surface for a mesher, and its faces that were faulty before."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class FaceFaults(NamedTuple):
 
 @dataclass(frozen=True)
 class Fitness:
-    """The state of a surface as to meshing, whoever made it so.
+    """Fitness of a surface for meshing, whoever made it so.
 
     Attributes
     ----------

@@ -182,7 +182,7 @@ class LumenCheck:
         return not (self.is_narrow or self.is_wide) and self.wall.passed
 
     def missed(self) -> tuple[float, float, Place]:
-        """The diameter that is not the prescribed one, the one it should be, and the place, mm."""
+        """Diameter that misses the prescribed one, the one it should be, and the place, mm."""
         if self.is_wide and not self.is_narrow:
             return self.widest, self.native, self.widest_at
         if self.is_narrow:

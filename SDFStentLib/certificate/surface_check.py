@@ -1,4 +1,4 @@
-"""Whether a surface is sound as it is."""
+"""Check of a single surface."""
 
 from __future__ import annotations
 

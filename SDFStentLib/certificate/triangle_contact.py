@@ -1,4 +1,4 @@
-"""Whether two triangles meet: decided in float64 where that is certain, in whole numbers elsewhere.
+"""Contact of two triangles: decided in float64 where that is certain, in whole numbers elsewhere.
 
 Arrays of corners have the shape (corner, coordinate, pair). `shared` corners (0, 1 or 2) stand
 first in both triangles of a pair.

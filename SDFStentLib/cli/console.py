@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..plan import PlanResult
 
 LINES = 8
-"""Lines about a deployment on the screen, unless all of it is asked for."""
+"""Lines about a deployment on the screen without `--verbose`."""
 
 _REMEDIES = (
     ("to", "to", " (--from, --to)"),
@@ -127,13 +127,13 @@ def error_line(sentence: str) -> None:
 
 
 def to_stderr(sentence: str) -> None:
-    """Print a line to stderr, or nothing where nobody can take it, as on a full disk."""
+    """Print a line to stderr; drop it where that fails, as on a full disk."""
     with suppress(OSError):
         print(one_line(sentence), file=sys.stderr, flush=True)
 
 
 class _Bar:
-    """A progress bar: one line that is rewritten again and again, and wiped at the end."""
+    """A progress bar: one line, rewritten in place and wiped at the end."""
 
     WIDTH = 30
 

@@ -125,7 +125,7 @@ def centerline_command(options: argparse.Namespace, console: Console) -> int:
 
 
 FRAME: Frame = "LPS"
-"""The frame of segmentations as they are read, and of what is made of them."""
+"""Frame of segmentations as read, and of the vessels made of them."""
 
 
 def prepare_command(options: argparse.Namespace, console: Console) -> int:

@@ -168,7 +168,7 @@ def known_of(options: argparse.Namespace, console: Console) -> Known | None:
 
 
 def _wave(file: str, console: Console, cycle: float | None, *, needs_unit: bool = True) -> Wave:
-    """The wave of a file, with what is said of its rows."""
+    """Wave of a file; says how its rows were taken."""
     wave, cautions = read_wave(file, needs_unit=needs_unit, cycle=cycle)
     console.warn([one.labeled(f"{file}: ") for one in cautions])
     return wave

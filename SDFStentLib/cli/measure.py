@@ -46,7 +46,7 @@ HOW = (
 """Options that list lesions in small vessels, and all."""
 
 _PROBE_DIAMETER = 1.0
-"""Diameter of the stent that stands for the place to be measured, mm; any number will do."""
+"""Diameter of the stent by which the place is measured, mm; any number will do."""
 
 
 def measure_command(options: argparse.Namespace, console: Console) -> int:

@@ -75,8 +75,7 @@ class Outputs:
     def add_folder(
         self, path: str | os.PathLike[str], write: Writer, own: Callable[[str], bool]
     ) -> None:
-        """Add a folder that is new, empty, or holds only files of its own kind,
-        which it replaces."""
+        """Add a folder: new, empty, or with files of its own kind only, which it replaces."""
         sweep(Path(os.path.realpath(path)).parent)
         target = _check_folder(path, may_come=self._folder)
         if os.path.ismount(target):
@@ -149,7 +148,7 @@ class Outputs:
                 self._check_replaced(folder)
 
     def _check_replaced(self, folder: _OutputJob) -> None:
-        """Refuse other outputs or inputs in a folder that is replaced as a whole."""
+        """Refuse other outputs or inputs inside a folder that is replaced as a whole."""
         others = [*self._inputs, *(str(job.target) for job in self._jobs if job is not folder)]
         inside = [path for path in others if folder.target in Path(path).parents]
         if inside:

@@ -72,7 +72,7 @@ def device_of(options: argparse.Namespace) -> Device | None:
 def stents_of(
     options: argparse.Namespace, way: str, inputs: InputFiles, device: Device | None
 ) -> tuple[Stent, ...]:
-    """The stent, and as a second one the same at its later diameter, where that is asked for.
+    """Stents by the options: one, or with a later diameter the same a second time.
 
     Raises
     ------

@@ -58,7 +58,7 @@ def _numbers(options: argparse.Namespace, inputs: InputFiles) -> list[int]:
 
 
 def devices_command(options: argparse.Namespace, _console: Console) -> int:
-    """List the known devices, or report all that is known about one."""
+    """List the known devices, or report all known facts about one."""
     if options.name is None:
         devices = device_table(options.device_table)
     else:

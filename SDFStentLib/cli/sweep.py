@@ -32,7 +32,7 @@ from .signals import INTERRUPTED, at_second_signal
 DONE, NOT_CERTIFIED, INCOMPLETE = 0, 3, 4
 
 SILENCE = 60.0
-"""Time without a finished case, s, after which that is reported, and again after twice the time."""
+"""Time without a finished case, s, before a report of it, which repeats after twice the time."""
 
 LAST_SECONDS = 2.0
 """Time, s, until the process ends after a second interruption."""

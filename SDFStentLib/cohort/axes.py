@@ -44,7 +44,7 @@ NAMES = (*DIAMETERS, *SIZES, *PLACES, "device", "shape", *SHAPE_PARTS)
 """Names of everything that can be an axis: but for widths and places, paths in the plan's stent."""
 
 _LISTED = ("branch", "lesion", "device", "shape")
-"""Axes whose values are things rather than sizes, and have to be listed."""
+"""Axes whose values are things rather than sizes, so that they must be listed."""
 
 MOST = 1e6
 """Largest number on an axis: as a length in mm or a ratio it is beyond any use."""

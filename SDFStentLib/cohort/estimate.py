@@ -39,7 +39,7 @@ class Estimate(NamedTuple):
 
 
 def estimated(sweep: Sweep, cases: Cases) -> Estimate:
-    """An estimate from a few cases, carried out in a temporary folder that is then removed."""
+    """Estimate from a few cases, run in a temporary folder."""
     chosen = [cases[at] for at in sorted({0, len(cases) // 2, len(cases) - 1})][:TRIED]
     seconds, sizes, failed, read = [], [], 0, 0.0
     with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
@@ -156,7 +156,7 @@ def save_tally(store: Store, tally: Tally) -> None:
 
 
 def last_tally(folder: str | os.PathLike[str]) -> tuple[Tally, bool]:
-    """The last tally of the sweep in a folder, and whether that is running now."""
+    """Last tally of the sweep in a folder, and whether the sweep is running."""
     store = Store(folder)
     total = len(store.cohort()["cases"])
     tally = Tally(total)  # killed before its first case

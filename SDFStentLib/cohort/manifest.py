@@ -1,4 +1,4 @@
-"""The tables of a cohort: every case with its outcome, and separately the time and place of it."""
+"""Tables of a cohort: every case with its outcome, and separately its time and place."""
 
 from __future__ import annotations
 

@@ -172,14 +172,14 @@ class _Run:
         self._left(cases)
 
     def end(self) -> None:
-        """Leave a folder that shows how far the sweep got, whatever happened."""
+        """Leave a folder that shows how far the sweep got, however it ended."""
         self.tally = replace(self.tally, lacks_workers=False)
         self.report(is_last=True)
         self.store.clear_leftovers()
         write_manifest(self.store.folder)
 
     def report(self, *, is_last: bool = False) -> None:
-        """Report and save the counts if that is due."""
+        """Report and save the counts when due."""
         now = monotonic()
         self.tally = replace(self.tally, seconds=now - self._start)
         if self.progress is not None and (is_last or now - self._shown >= LOOK):

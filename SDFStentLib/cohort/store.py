@@ -43,7 +43,7 @@ _LOCK, _PREFIX = ".sdfstent-lock", ".sdfstent-"
 
 
 class StoreError(DeploymentError):
-    """The store cannot be written, and nothing can go on before that is mended."""
+    """Failure to write the store, without which no case can go on."""
 
 
 class Store:
@@ -235,7 +235,7 @@ class Store:
 
 
 def _is_case(found: Mapping[str, Any]) -> bool:
-    """Whether the record of a case has everything that is read from it."""
+    """Whether the record of a case is complete."""
     rows = found["rows"]
     return (
         isinstance(found["status"], str)

@@ -144,7 +144,7 @@ def patients_of(
 
 
 def _filled(template: Mapping[str, Any], axes: tuple[SweepAxis, ...], stent: int) -> dict[str, Any]:
-    """The template as a whole plan: values that the axes give may be left out of it."""
+    """Template completed to a plan: values that the axes give may be left out of it."""
     listed = sequence(template.get("stents", []), "plan.stents")
     stents = [dict(one) if isinstance(one, Mapping) else one for one in listed]
     if not 0 < stent <= len(stents):

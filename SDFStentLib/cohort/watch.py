@@ -53,7 +53,7 @@ def start_worker(sweep: Connection, begun: Connection | None = None) -> None:
 
 
 def begin(case: str) -> None:
-    """Tell the sweep, where it asks for that, that this process begins a case.
+    """Tell a sweep that listens that this process begins a case.
 
     Workers share the pipe without a lock, as a stopped worker would keep it: so few bytes are
     always written at once.

@@ -100,7 +100,7 @@ class Growth:
         return run(self.motion, rule, self._crimped, self.task.target_level)
 
     def keep_tissue(self, thickness: Floats) -> None:
-        """Keep so much tissue (n,), mm, between the stent and the points of the wall."""
+        """Keep a thickness of tissue (n,), mm, between the stent and the points of the wall."""
         offset = np.zeros(len(self.motion.level))
         offset[: self.wall_count] = thickness
         self.motion.set_offset(offset)
@@ -235,7 +235,7 @@ class Attempt(Growth):
         return best.rounds
 
     def _dragged(self, task: DeploymentTask, reach: float) -> Reached:
-        """The companions within reach: of those that lie on one another one, for all of them."""
+        """Companions within reach; of those at one place the first, for all of them."""
         dragged, near = within_reach(task.companions, task.capsules, reach)
         # A tree and the file that it was made of, or overlapping lines, have the same points.
         twin = twins(task.companions, dragged)

@@ -129,7 +129,7 @@ class Deployment(DeploymentTask):
     def _untangled(
         self, comparison: Comparison, attempt: Attempt, verdict: Verdict
     ) -> tuple[Attempt, Verdict, int]:
-        """The first attempt without a fault, or the one with the fewest faults."""
+        """First attempt without a fault, else the one with the fewest."""
         rounds = attempt.untangle(verdict.failing)
         best = (attempt, self._certificate(comparison, attempt, verdict), rounds)
         is_hopeless = self._longest_fold(best[1]) >= HOPELESS_FOLD

@@ -123,7 +123,7 @@ def finished(motion: Motion, stent: Expanded) -> OnStent:
 
 
 def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -> OnStent:
-    """Bring back wall that was dragged along ahead of the stent and ended outside of it.
+    """Bring back wall that ran ahead of the stent and ended outside of it.
 
     A stent only pushes. Wall that it reaches has no cause to end up outside of it, nor has wall
     round a wider lumen to go out; but near contact the published rule drags both along. A point

@@ -194,7 +194,7 @@ class Motion:
             self.moved_to(inside, target)
 
     def freeze(self) -> None:
-        """End the motion: whoever goes on from here does so with positions of their own."""
+        """End the motion: later steps have positions of their own."""
         for values in (self.positions, self.level, self.direction, self.slope, self.offset):
             values.setflags(write=False)
 

@@ -153,8 +153,7 @@ def _narrowest(
 def _widest(
     before: Surface, after: Surface, around: WallAround, stent: Expected
 ) -> tuple[float, float, Place]:
-    """Radius of the sphere that is largest over what it may be, the radius it may have, and its
-    station."""
+    """Radius of the sphere that exceeds its bound most, mm, the bound, and the station."""
     chain, radius, _ = stent
     # A sphere reaches over its neighbors at this distance, and need not be exact.
     line = chain.line.resampled(radius / 2)

@@ -27,7 +27,7 @@ from .stent_checks import Expected, lumen_check
 from .untangle import Relief
 
 NEARLY_DONE = 1 - 1e-9
-"""Largest fraction of a state that is not finished."""
+"""Largest fraction of an unfinished state."""
 
 
 class DeploymentState(NamedTuple):

@@ -1,4 +1,4 @@
-"""The wall round a stent: the room that it leaves, and the share of it that is the lumen's own.
+"""Wall round a stent: the room in it, and the share of that which is the lumen's own.
 
 The far wall of a neighboring vessel faces away from the stent as well, but is joined to the stented
 lumen only by walls that do not. A sharp limit between own and foreign would let a hair's breadth

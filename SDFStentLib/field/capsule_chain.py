@@ -151,8 +151,7 @@ class CapsuleChain:
 
     @cached_property
     def undirected(self) -> CapsuleChain:
-        """The same field, with an order of its nodes that does not depend on theirs where that is
-        allowed.
+        """The same field with an order of its nodes that no input direction changes, where it may.
 
         Only rounding depends on that order.
         """

@@ -27,7 +27,7 @@ FLAT = np.cos(np.deg2rad(5.0))
 """Cosine of the angle up to which the faces of a ring that closes a wall lie in one plane."""
 
 ALL = 0.95
-"""Share of a side that counts as all of it: ends may be cut at a slant."""
+"""Share of a side that counts as the whole side: ends may be cut at a slant."""
 
 SAMPLES = 400
 """Number of points of a side that are examined."""

@@ -90,7 +90,7 @@ def check_same_space(
 
 
 def _goes_round(surface: Surface, places: Points) -> bool:
-    """Whether there is surface on all sides of most of some places (k, 3), as round a hole.
+    """Whether surface lies on all sides of most of some places (k, 3), as round a hole.
 
     Round a hole, directions to the surface, weighted by solid angle, cancel; beside it they do not.
     """

@@ -54,7 +54,7 @@ Solve = Callable[[Network, Outlets, Known], "tuple[Floats, Floats]"]
 
 
 class FlowAnswer(NamedTuple):
-    """Pressures and flows of a vessel before treatment, and after it where there is one."""
+    """Pressures and flows of a vessel before treatment, and after it if it was treated."""
 
     known: Known
     sides: Sides | None
@@ -66,7 +66,7 @@ class FlowAnswer(NamedTuple):
     networks: tuple[Network, ...]
     """Networks before, and after."""
     outlets: Outlets
-    """The outlets, whose resistances fit what is known before treatment, and are kept for after."""
+    """Outlets, their resistances fitted before treatment and kept after it."""
     inlets: Inlets
     inflow: dict[str, tuple[float, ...]]
     """mL/s at each of several inlets, by moment."""
@@ -89,7 +89,7 @@ class FlowAnswer(NamedTuple):
 
 
 class FlowModel:
-    """A vessel before treatment with outlets that fit what is known; kept while stents are tried.
+    """Vessel before treatment with fitted outlets; kept while stents are tried.
 
     Parameters
     ----------

@@ -20,11 +20,11 @@ OBLONG = 1.5
 wider is the section of other vessels, too."""
 
 BESIDE = 1.0
-"""Diameters along a vessel within which the least oblong section tells the shape: branches that
+"""Diameters along a vessel within which the least oblong section gives the shape: branches that
 leave, and lines that go aslant, only make sections larger."""
 
 FINE, COARSE = 0.1, 0.4
-"""Diameters by which stations are apart at most, beside the narrowest of three and elsewhere: the
+"""Largest distance of stations in diameters, beside the narrowest of three and elsewhere: the
 throat of a short narrowing costs what it costs with twice as many to a percent."""
 
 LOST = 2.0
@@ -34,7 +34,7 @@ CLEAR = 1.2
 """Radii from an outlet from which on a sphere does not touch its cap, though that may lean."""
 
 _NEW = -1.0
-"""Stands for a diameter that is still to be measured."""
+"""Mark of a diameter that is still to be measured."""
 
 
 class Channel(NamedTuple):

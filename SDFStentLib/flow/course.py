@@ -19,7 +19,7 @@ from .outlets import firm_outlets
 from .tree import Tree, tree_between
 
 LEAST = 1e-6
-"""Share of the flow that stands for less, as in limbs without any: profiles need some."""
+"""Least share of the flow for profiles, which need some, as in limbs without any."""
 
 
 def nodes_of(channels: Sequence[Channel]) -> Indices:

@@ -131,7 +131,7 @@ class Known:
         return len(flowing) > 1 and any(one.wave is not None for one in flowing)
 
     def spread(self, inlets: int = 1) -> tuple[Floats, Floats]:
-        """Flows (t,), mL/s, with weights (t,), that tell means: one, or those of a wave.
+        """Flows (t,), mL/s, with weights (t,), for means over time: one flow, or those of a wave.
 
         Where waves of inlets differ, flows (t, i) at two times between every two rows, by Gauss'
         quadrature: exact for losses that go with the square of flow.
@@ -208,7 +208,7 @@ def _check_pressures(inlet: float | None, wedge: float | None) -> None:
 
 
 def _check_usual(mean: float, wave: Wave | None) -> None:
-    """Ask about what comes of a wrong unit."""
+    """Refuse values as of a wrong unit, unless they are meant so."""
     low, high = RATES
     if wave is not None and not low <= wave.rate <= high:
         raise InputError(

@@ -49,7 +49,7 @@ def _ending_at(stretches: Sequence[LumenStretch], tree: Centerline, leaf: int) -
 def _nearest(
     stretches: Sequence[LumenStretch], tree: Centerline, node: int, limb: int
 ) -> tuple[int, int]:
-    """The stretch, and the station of it, that is nearest to a point of the tree."""
+    """Stretch and station nearest to a point of the tree."""
     place = tree.points[node]
     away = [
         (float(squared.min()), number, int(squared.argmin()))

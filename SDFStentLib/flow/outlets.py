@@ -27,7 +27,7 @@ FIRM = 1e4
 """Outlet resistance over the vessel's without known pressures: shares are fixed."""
 
 NOTHING = 1e-6
-"""The part of the pressure that is known: outlets that cost no more at the mean flow cost
+"""Negligible part of the known pressure: outlets that cost no more at the mean flow cost
 nothing."""
 
 
@@ -60,7 +60,7 @@ class Sides(NamedTuple):
 
     @property
     def leave_out(self) -> bool:
-        """Whether there are other outlets."""
+        """Whether the vessel has outlets of neither main branch."""
         return not bool(self.outlets.any(axis=0).all())
 
     def flows(self, tree: Tree, through: Floats) -> Floats:
@@ -121,7 +121,7 @@ def sides_of(
 
 
 def _widest(tree: Tree, weights: Floats, number: int) -> int:
-    """The block at the widest outlet to which one leads."""
+    """Block at the widest outlet that one leads to."""
     return int(tree.outlets[np.argmax(np.where(tree.leads_to[number], weights, -1.0))])
 
 

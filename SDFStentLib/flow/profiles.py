@@ -42,7 +42,8 @@ class ChannelStations(NamedTuple):
 
 
 def way_of(channels: Sequence[Channel], flow: Floats) -> ChannelStations:
-    """The stations of channels, each after those that bring its blood; flows (n,) through them."""
+    """Stations of channels, in an order in which each follows those that bring its blood; flows
+    (n,) through them."""
     along = 1e-3 * np.concatenate([one.along for one in channels])
     starts = np.cumsum([0, *(len(one.along) for one in channels)])
     last = starts[1:] - 1

@@ -1,4 +1,4 @@
-"""States of a network at all the flows at which it is looked at, and what they tell, with bands."""
+"""States of a network at all its flows, and quantities from them, with bands."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ UNCERTAIN = (
 
 
 class Band(NamedTuple):
-    """A value and between what it lies, by uncertainties that are independent of each other."""
+    """Value and its limits, by uncertainties that are independent of each other."""
 
     value: float
     low: float
@@ -148,7 +148,7 @@ class SeenFlow:
 
 
 def losses_of(networks: Sequence[Network], flows: Floats, count: int) -> Floats:
-    """Losses from so many first inlets to the outlets: drops, Pa, powers, W, and the whole power.
+    """Losses from the first `count` inlets to the outlets: drops, Pa, powers, W, the whole power.
 
     Parameters
     ----------

@@ -24,21 +24,20 @@ SIDE = round(3 * SMOOTH / STEP)
 """Steps up to which they count to each side."""
 
 APART, FAR = 2.0, 4.0
-"""Diameters between channels as they are laid out one after the other, and stations of one at most:
-what is as good as closed is long in diameters."""
+"""Distance in diameters of channels laid out one after the other, and largest one of stations: what
+is as good as closed is long in diameters."""
 
 GENTLE = 1.5
 """Radius over diameter from which on a bend is none of these; up to 1 all of it counts."""
 
 _TURNS = np.radians([0.0, 20.0, 30.0, 45.0, 60.0, 75.0, 90.0, 110.0, 130.0, 150.0, 180.0])
 _ROUND = np.array([0.0, 0.31, 0.45, 0.60, 0.78, 0.90, 1.00, 1.13, 1.20, 1.28, 1.40])
-"""Idelchik, diagram 6-1: what a bend of so many radians loses over one of 90 degrees."""
+"""Loss of a bend of such an angle over that of one of 90 degrees: Idelchik, diagram 6-1."""
 _CORNER = np.array([2.5, 2.5, 2.22, 1.87, 1.50, 1.28, 1.20, 1.20, 1.20, 1.20, 1.20])
-"""Idelchik, diagram 6-5: of a corner, `0.95 s + 2.05 s^2` times so much with s the square of the
-sine of half the angle."""
+"""Factor of a corner's `0.95 s + 2.05 s^2`, s = sin^2 of half the angle: Idelchik, diagram 6-5."""
 _RADII, _SLOW = np.array([0.525, 0.625, 0.70]), np.array([1.40, 1.67, 2.00])
-"""Idelchik, diagram 6-1: by radius over diameter times so much at a Reynolds number of 10^4, his
-lowest; corners as the first."""
+"""Factor by radius over diameter at a Reynolds number of 10^4, the lowest of Idelchik, diagram 6-1;
+corners as the first."""
 
 
 class SharpBends(NamedTuple):
@@ -83,7 +82,7 @@ def sharp_bends(
     widths: Sequence[Widths],
     before: tuple[Sequence[Channel], Sequence[Widths], SharpBends] | None = None,
 ) -> SharpBends:
-    """The sharp bends of channels, each for itself: between them `turns_of` tells turns.
+    """Sharp bends within channels; those between channels are in `turns_of`.
 
     A bend is where directions, smoothed, turn faster than on a circle of `GENTLE` diameters, and as
     far around that as smoothing spreads it. That takes nothing of the turn, and widens a bend by

@@ -72,7 +72,7 @@ class Ways:
         return self._known[key]
 
     def pieces_to(self, place: Points) -> tuple[BlockPart, ...]:
-        """The way that blood comes from an inlet to the place nearest to a point (3,)."""
+        """Way of the blood from an inlet to the place nearest to a point (3,)."""
         ((last, stop),) = self._nearest(slice(None), place[None])
         *way, _ = self._way(last, last)
         whole = (BlockPart(one, 0.0, len(self._channels[one].points) - 1.0) for one in way)
@@ -120,7 +120,7 @@ class Ways:
         return self._from_root(one) > self._from_root(other)
 
     def _before(self, number: int) -> dict[int, int]:
-        """The channel, of those from which blood comes to one, through which it goes on there."""
+        """Next channel on the way to one, by the number of each that brings it blood."""
         onward = {number: number}
         waiting = [number]
         # Ends: every channel waits once.

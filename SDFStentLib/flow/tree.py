@@ -11,16 +11,16 @@ from ..validation import Flags, Floats, Indices
 
 
 class Level(NamedTuple):
-    """The blocks of a tree that are equally many junctions away from its root."""
+    """Blocks of a tree equally many junctions away from its root."""
 
     rows: Indices
-    """(r,) those that begin at one junction side by side."""
+    """(r,) blocks in groups that begin at one junction."""
     starts: Indices
-    """(j,) where those of each junction begin,"""
+    """(j,) first row of each group,"""
     counts: Indices
-    """how many they are,"""
+    """number of blocks in it,"""
     parents: Indices
-    """and the block that ends there."""
+    """and block that ends at its junction."""
 
 
 class Tree(NamedTuple):
@@ -39,7 +39,7 @@ class Tree(NamedTuple):
     outlets: Indices
     """(k,) the blocks at the outlets."""
     above: Indices
-    """(n,) the block that is next on the way to the root; -1 at the root, and for chords."""
+    """(n,) next block on the way to the root; -1 at the root, and for chords."""
     order: tuple[int, ...]
     """The blocks of the tree, every one after that above it."""
     signs: Floats
@@ -65,7 +65,7 @@ class Tree(NamedTuple):
 
     @property
     def limbs(self) -> list[int]:
-        """Blocks that begin where one of a loop does and are of that loop."""
+        """Blocks of loops that meet where their chords begin, the chords among them."""
         found: list[int] = []
         loops = self.beyond[len(self.inlets) - 1 :]
         for chord, around in zip(self.chords.tolist(), loops, strict=True):

@@ -100,7 +100,7 @@ class Wave:
         return Wave(self.time, tuple(factor * one for one in self.flow))
 
     def spread(self) -> tuple[Floats, Floats]:
-        """Flows (k,), mL/s, whose shares of time (k,) tell the means over the cycle.
+        """Flows (k,), mL/s, with shares of time (k,), for means over the cycle.
 
         Means of what is a polynomial of the flow forward and another one backward, as losses
         nearly are, up to degree `2 NODES - 1`: Gauss' quadrature for the time that blood flows as
@@ -160,7 +160,8 @@ def _mean(time: Floats, flow: Floats) -> float:
 
 
 def _steps(time: Floats) -> int | None:
-    """The fewest even steps, from `STEPS` to `MOST`, of which one is at every time (n,) from 0.
+    """Least number of even steps, from `STEPS` to `MOST`, of which one is at every time (n,) from
+    0.
 
     The last one is that of the cycle.
     """

@@ -165,7 +165,7 @@ def _wave(rows: _Rows, cycle: float | None) -> ReadWave:
 
 
 def _closed(rows: _Rows) -> _Rows:
-    """The rows with one that repeats the first at their end.
+    """Rows with the first one repeated at their end.
 
     It is there where it closes the wave, unless the first and the last row are alike because the
     flow stands still there, or nearly alike only: then the rounder cycle is meant.
@@ -222,7 +222,7 @@ def _roundness(cycle: float, known: float) -> int:
 
 
 def _digits(value: float, known: float) -> int:
-    """The number of digits, at most four, of a value that is known to so much of itself."""
+    """Number of digits, at most four, of a value known to a share of itself."""
     few = (n for n in (1, 2, 3) if abs(float(f"{value:.{n}g}") - value) <= known * value)
     return next(few, 4)
 
@@ -247,9 +247,7 @@ def _apart(rows: _Rows, count: int) -> tuple[float, float]:
 
 
 def _of_beats(rows: _Rows, count: int) -> Caution:
-    """The message that so many beats are averaged; where they are not alike, how much that takes of
-    them.
-    """
+    """Caution that beats are averaged; with their distance from it where they are not alike."""
     apart, size = _apart(rows, count)
     told: dict[str, float | str] = {"beats": count, "cycle_s": float(rows.time[-1]) / count}
     if apart < CLOSED * size:
@@ -278,7 +276,7 @@ def _filled(rows: _Rows, cycle: float) -> tuple[_Rows, int]:
 
 
 def _folded(rows: _Rows, beats: int) -> _Rows:
-    """The average of so many beats, at the times of all their rows."""
+    """Average of the beats, at the times of all their rows."""
     if beats == 1:
         return rows
     cycle = rows.time[-1] / beats

@@ -45,14 +45,14 @@ ACROSS = np.cos(np.deg2rad(30.0))
 
 FEWEST_FACES = 6
 _IN_ONE_PLANE = 2
-"""The number of faces that tell that something is flat: one always is."""
+"""Number of faces from which a spot counts as flat: one always is."""
 
 NOTICEABLE = 0.05
 """Motion out of the plane, mm, from which on a cap is reported."""
 
 
 _known: WeakKeyDictionary[Surface, list[FlatCap]] = WeakKeyDictionary()
-"""The caps of each surface, kept since every stent that is tried asks for those of its vessel."""
+"""Caps of each surface, kept: every stent that is tried asks for those of its vessel."""
 
 
 class BulgedCap(NamedTuple):

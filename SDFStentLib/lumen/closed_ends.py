@@ -28,8 +28,7 @@ IN_SURFACE = 1e-6
 
 
 BESIDE = 4.0
-"""The part of the radius of the lumen: no farther from its station is a sphere, or what it
-touches."""
+"""Part of the lumen's radius within which a sphere, or what it touches, lies from its station."""
 
 
 class SurfacePart(NamedTuple):

@@ -16,17 +16,17 @@ from ..geometry import Surface, SurfaceIndex, closest_on_segments, norm
 from ..validation import Flags, Floats, Indices, Points
 
 ABOUT = 1.5
-"""A spot is about as wide as the lumen where the lumen is not so many times wider."""
+"""Ratio of the lumen's width to a spot's up to which both are about as wide."""
 
 _DEPTH = 2.0
-"""The depth to which a spot is looked at, in its narrow radii: as deep as it is wide."""
+"""Depth to which a spot is looked at, in its narrow radii: as deep as it is wide."""
 
 _INWARD = np.cos(np.deg2rad(60.0))
-"""A vessel that is cut askew goes on within this angle of the spot's normal."""
+"""Angle of a spot's normal to the vessel within which a vessel cut askew goes on."""
 
 _RAYS = 64
 _BELOW = 0.01
-"""Share of a spot's narrow radius at which it is looked at which side of it is within."""
+"""Distance from a spot, as a share of its narrow radius, at which its inner side is looked for."""
 
 _ON_EDGE = 1e-9
 

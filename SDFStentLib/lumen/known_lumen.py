@@ -16,7 +16,7 @@ from .stations import Stations, measured_at
 from .wall_map import PAIRS
 
 _APART = 1 / np.sqrt(3.0)
-"""No place of a triangle is farther from all of its corners than so many of its longest side."""
+"""Largest distance of a place of a triangle from all of its corners, over its longest side."""
 
 
 class MovedWall(NamedTuple):
@@ -79,7 +79,7 @@ def _longest_side(points: Points, triangles: Triangles) -> float:
 
 
 BESIDE_SPHERE = 1.02
-"""Wall farther from a sphere's center than so many radii plays no part in its climb's end."""
+"""Distance from a sphere's center, in radii, beyond which wall plays no part in its climb's end."""
 
 MOST = 20_000
 """Number of stations kept for one surface, about 100 bytes each; above it all are forgotten."""

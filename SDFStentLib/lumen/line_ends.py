@@ -40,7 +40,7 @@ IN_MIDDLE = 0.1
 
 
 _STEEP = np.cos(np.deg2rad(45.0))
-"""A normal that is less along a line is one of the wall rather than of a cap."""
+"""Cosine of a normal to a line below which it is one of the wall rather than of a cap."""
 
 _ROUND = 3.0
 """Radii round an end within which the wall beside it lies, and its cap."""

@@ -192,7 +192,7 @@ class DiameterProfile:
         return self.taken(chosen)
 
     def taken(self, which: slice | Flags) -> DiameterProfile:
-        """Some of the stations, and what is between two of them that are neighbors."""
+        """Profile at some of the stations, with what lies between neighbors among them."""
         chosen = np.zeros(len(self.arc_length), dtype=bool)
         chosen[which] = True
         after = np.searchsorted(self.arc_length, self.throats[:, 0])

@@ -34,7 +34,7 @@ lumen, seen from a part of the vessel that is bent round."""
 
 
 class Opening(NamedTuple):
-    """A part of a tube's wall at which the lumen goes on into another vessel."""
+    """Part of a tube's wall at which the lumen goes on into another vessel."""
 
     region: Mask
     """(n, RAYS) its cells in the map of the wall."""
@@ -71,7 +71,7 @@ def openings(surface: Surface, tube: Tube, ends: Points = NO_ENDS) -> list[Openi
 
 
 def _are_flat(surface: Surface, ends: Points) -> bool:
-    """Whether there are ends (k, 3) of vessels, all of them in flat caps."""
+    """Whether ends (k, 3) of vessels exist and all lie in flat caps."""
     caps = [surface.points[surface.triangles[cap.faces]].reshape(-1, 3) for cap in caps_of(surface)]
     if not len(ends) or not caps:
         return False

@@ -61,7 +61,7 @@ def pouch_width(
 
 
 def _is_open(surface: Surface, own: Indices) -> bool:
-    """Whether there is a border of the surface among points of it."""
+    """Whether points of a surface lie on its border."""
     return bool(np.isin(boundary_edges(surface.triangles), own).any())
 
 

@@ -1,4 +1,4 @@
-"""Inscribed spheres before an end of the vessel that is closed, but not by a flat cap.
+"""Inscribed spheres before a closed end of the vessel that is no flat cap.
 
 Rounded, leaning or bulged, such an end is no wall either. The sphere is measured against the wall
 beside and behind its station only.
@@ -26,10 +26,10 @@ NEAR = 1.2
 station."""
 
 CLOSED = 1.6
-"""A closed vessel is over within so many radii beyond the last station,"""
+"""Distance in radii beyond the last station within which a closed vessel is over,"""
 
 BESIDE = 1.5
-"""and nothing of it is farther from its axis there than so many."""
+"""and largest distance in radii of its wall from its axis there."""
 
 LOOKED_AT = 3.0
 """Radii within which the surface is looked at for that."""
@@ -40,7 +40,7 @@ _APART = 3.0
 
 
 def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) -> InscribedSpheres:
-    """The spheres, those that the closing of an end limits measured anew without it.
+    """Spheres, of which those limited by the closing of an end are measured anew without it.
 
     Spheres are NaN at stations where they are known to touch an end.
     """
@@ -102,7 +102,7 @@ def _is_wall(
 def _is_closed(
     points: Points, triangles: Triangles, end: Floats, outward: Floats, radius: float
 ) -> bool:
-    """Whether the surface that goes on from the last section is over soon after it.
+    """Whether the surface beyond the last section ends soon after it.
 
     A vessel that turns aside goes on; so does one that an open rim ends, for nothing is in its way.
     """

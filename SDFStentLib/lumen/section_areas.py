@@ -229,7 +229,7 @@ def _loops(cuts: _Cuts, count: int) -> _Loops:
 def _islands(
     cuts: _Cuts, label: Indices, loops: Indices, around: Indices, station: Indices, area: Floats
 ) -> Floats:
-    """Area (n,), mm^2, that some closed loops take from the one `around` (n,) each station."""
+    """Area (n,), mm^2, that closed loops take from the one `around` (n,) each station."""
     taken = np.zeros(len(around))
     first = np.full(int(label.max()) + 1, -1)
     first[label[::-1]] = np.arange(len(label))[::-1]

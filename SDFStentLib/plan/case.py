@@ -48,7 +48,7 @@ def vessel_of(
     faces: NamedFaces | None = None,
     lines: Points | None = None,
 ) -> tuple[Vessel, str]:
-    """A vessel with what a plan says of it, but for names of another one; and why, or "".
+    """Vessel with a plan's marks, except names of another vessel; and the reason for that, or "".
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ class Case:
         )
 
     def previewed(self) -> PreviewState:
-        """About what comes of it, see `Preview`; errors as of `treatment`."""
+        """Approximate result, see `Preview`; errors as of `treatment`."""
         plan = self.plan
         fraction = plan.straightening_fraction
         return self.vessel.preview.of(
@@ -154,7 +154,8 @@ class Case:
     def segment(
         self, start: Points, end: Points, result: TreatmentResult | None, **wishes: Any
     ) -> ExtractedSegment:
-        """Cut out what lies between two places (3,), mm, also after treatment where that is known.
+        """Cut out the segment between two places (3,), mm, also after treatment where that is
+        known.
 
         Wishes as of `SegmentWishes`, by name; errors as of `extract_segment`.
         """

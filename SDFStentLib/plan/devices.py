@@ -21,7 +21,7 @@ SCHEMA_VERSION = 1
 
 
 def device_table(path: str | os.PathLike[str] | None = None) -> tuple[Device, ...]:
-    """The devices that are known, those that come along first.
+    """Devices of the table, those that come along first.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def device_table(path: str | os.PathLike[str] | None = None) -> tuple[Device, ..
 
 
 def device_named(name: str, path: str | os.PathLike[str] | None = None) -> Device:
-    """The device of that name, in upper or lower case; parameters and errors as `device_table`."""
+    """Device by its name, in upper or lower case; parameters and errors as `device_table`."""
     table = device_table(path)
     by_name = {device.name.casefold(): device for device in table}
     if name.casefold() in by_name:

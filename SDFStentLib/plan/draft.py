@@ -86,7 +86,8 @@ class Draft:
 
     @cached_property
     def text(self) -> str:
-        """Text of all that says what it is, wherever it goes."""
+        """Text that differs with the stent and its kind of placement, not with place, name or
+        switch."""
         own = {key: value for key, value in self.entry.items() if key not in _ELSEWHERE}
         return json.dumps([next(iter(self.entry["placement"])), own])
 
@@ -105,7 +106,7 @@ class Draft:
 
     @property
     def has_free_length(self) -> bool:
-        """Whether its length is what is set, rather than that of its device."""
+        """Whether its length is set freely, rather than its device's."""
         return self.has_length and not (self.entry["device"] or {}).get("nominal_length")
 
     @property

@@ -168,7 +168,7 @@ def rows_from(stents: Sequence[Stent]) -> list[Row]:
 
 
 def _is_at_once(stent: Stent, number: int, stents: Sequence[Stent], rows: Sequence[Row]) -> bool:
-    """Whether a stent is what comes of a second diameter of the last row."""
+    """Whether a stent is the immediate redilation of the last row."""
     first = number - 1
     assert isinstance(stent.placement, OfStent)
     if stent.placement.number != first or stents[first - 1] is not rows[-1].stent:

@@ -109,7 +109,7 @@ def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> Inpu
 
 
 def plan_files(plan: Plan) -> InputFiles:
-    """The files that a plan names, read whatever they hold; errors as `read_plan_inputs`."""
+    """Files of a plan, whatever they hold; errors as `read_plan_inputs`."""
     if plan.surface is None:
         raise InputError(
             "inputs.surface: expected a file, the plan names none; save the plan with its surface."
@@ -183,12 +183,12 @@ def read_axis_file(
 
 
 def is_changed(file: InputFile, sha256: str) -> bool:
-    """Whether a file is not the one that a plan was made with; any will do where none is named."""
+    """Whether a file is another than the plan was made with; any will do where none is named."""
     return file.sha256 not in (None, sha256)
 
 
 def changed_input(file: InputFile, sha256: str) -> InputError:
-    """Error for a file that is not the one that a plan was made with."""
+    """Error for another file than the plan was made with."""
     return InputError(
         f"{file.path}: expected the file that the plan was made with (sha256 {file.sha256}), got "
         f"another one (sha256 {sha256}); give the original, or accept the changed one ",

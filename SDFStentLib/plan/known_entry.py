@@ -24,7 +24,7 @@ from that of its wave."""
 
 
 def flow_entry(known: Known | None) -> dict[str, Any] | None:
-    """The entry of what is known, but for the place of the right branch, which is found anew."""
+    """Entry of flow data, but for the place of the right branch, which is found anew."""
     if known is None:
         return None
     found = {**to_document(known), "peak": known.most}
@@ -68,7 +68,7 @@ def wave_of(entry: FlowEntry) -> Wave | None:
 
 
 def lacks_solver(entry: FlowEntry) -> bool:
-    """Whether there is a wave, and the solver that it needs is not installed."""
+    """Whether a wave is given, but the solver for it is not installed."""
     return wave_of(entry) is not None and not has_svzerod()
 
 
@@ -79,13 +79,13 @@ def inflows(entry: FlowEntry) -> dict[str, float]:
 
 
 def inlet_named(entry: FlowEntry, names: Sequence[str]) -> str | None:
-    """The inlet that is called one of these names, as it was called first; None for none."""
+    """Inlet by one of these names, as it was called first; None for none."""
     own = [name.casefold() for name in names]
     return next((one for one in inflows(entry) if one.casefold() in own), None)
 
 
 def with_inlet(entry: FlowEntry, names: Sequence[str], flow: float | None) -> FlowEntry:
-    """The entry with so much flow, mL/s, in at the end of these names; at None it is no inlet.
+    """Entry with a flow, mL/s, into the end of these names; with None that is no inlet.
 
     The first inlet brings the whole flow, whatever is asked for; of several the flow is the sum.
 
@@ -113,7 +113,7 @@ def with_inlet(entry: FlowEntry, names: Sequence[str], flow: float | None) -> Fl
 
 
 def _inlets(flow: Mapping[str, Any], mean: float, has_wave: bool) -> tuple[Inflow, ...]:
-    """The inlets with so much flow together; their own waves where that of all is theirs."""
+    """Inlets scaled to a total mean flow, with waves of their own if the total has one."""
     found = flow.get("inlets") or []
     whole = sum(one["mean"] for one in found)
     # Those that bring the flow stay as they are, to the last digit: another one is another plan.

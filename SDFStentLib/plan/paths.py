@@ -13,7 +13,7 @@ MISSING = object()
 
 
 def value_at(document: Any, path: str, default: Any = None) -> Any:
-    """The value at a path, or `default` where there is none: neither on the way, nor in the end.
+    """Value at a path, or `default` where the path leads nowhere.
 
     Parameters
     ----------

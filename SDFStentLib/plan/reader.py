@@ -174,7 +174,7 @@ def _each(value: Any, where: str, read: Callable[[Any, str], T]) -> tuple[T, ...
 
 
 class _StentReader:
-    """Stents of one document, with what they need to know of it."""
+    """Reader of the stents of one document."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Carry out a plan: deploy, measure, write, and what it does to the flow through the vessel."""
+"""Run of a plan: deploy, measure, write, and the flow through the vessel."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def flow_answer(
 
 
 def _whole_way(vessel: Vessel) -> Part:
-    """The way from the inlet to the end that is farthest from it."""
+    """Way from the inlet to the farthest end."""
     tree = vessel.centerline
     assert tree is not None
     end = max(tree.leaves, key=lambda leaf: tree.arc_length[leaf])
@@ -265,7 +265,7 @@ class Today(NamedTuple):
     """Lumens and lesions after the stents before the first redilation."""
 
     redilation: int
-    """Number of the first stent that is an earlier one, dilated again."""
+    """Number of the first stent that dilates an earlier one again."""
     minimum_lumen: Mapping[int, float]
     """Smallest inscribed diameter of each stent by its number then, mm; NaN where not known."""
     lesions: tuple[TreatedLesion, ...] | None

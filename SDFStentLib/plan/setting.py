@@ -30,12 +30,12 @@ NOT_KNOWN = float("nan")
 
 
 def set_value(draft: Draft, path: str, value: Any) -> Changes:
-    """Changes for a value that is set: the value, and what follows from it."""
+    """Changes by setting a value: the value, and its consequences."""
     return _SET[path](draft, value) if path in _SET else {path: value}
 
 
 def value_in_use(draft: Draft, path: str) -> Any:
-    """The value at a path of its entry, as it is in use."""
+    """Value in use at a path of its entry."""
     return _IN_USE[path](draft) if path in _IN_USE else value_at(draft.entry, path)
 
 
@@ -120,9 +120,7 @@ def _balloon(draft: Draft) -> Balloon:
 
 
 def _switched(draft: Draft, is_used: bool) -> Changes:
-    """Changes for the balloon that leaves its lumen, whatever the rule finds there later, or for
-    none.
-    """
+    """Changes for a balloon that leaves its lumen, whatever the rule finds there, or for none."""
     if not is_used:
         return inflated(draft, None)
     # No balloon that recoils leaves a lumen of its own width: that counts as set, and stays.
@@ -168,7 +166,7 @@ _IN_USE: dict[str, Callable[[Draft], Any]] = {
     "balloon.by_rule": lambda draft: not _balloon(draft).is_given,
     "shape.cap_height": lambda draft: (draft.shape or Shape()).cap_height,
 }
-"""Values in use by their paths, where that may be another value than the one that is set."""
+"""Functions for values in use by their paths, where these may differ from the values set."""
 
 _SET: dict[str, Callable[[Draft, Any], Changes]] = {
     "foreshortening_fraction": _shortened,
@@ -179,4 +177,4 @@ _SET: dict[str, Callable[[Draft, Any], Changes]] = {
     "shape.cap_height": _capped,
     "shape.table": _tabled,
 }
-"""Functions, by path, for what is set where a value is, where that is more."""
+"""Functions for changes by their paths, where setting a value has consequences."""

@@ -117,7 +117,7 @@ class StepFiles:
 
     @staticmethod
     def is_own(name: str) -> bool:
-        """Whether a file of that name is one of an earlier run."""
+        """Whether a file's name is one of an earlier run's."""
         return _OWN.fullmatch(name) is not None
 
     def take(self, surface: SurfaceFile, state: TreatmentState) -> None:

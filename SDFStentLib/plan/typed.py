@@ -88,7 +88,7 @@ def _object_in(hint: Any) -> Any:
 
 
 def to_document(value: Any) -> Any:
-    """A dataclass as values of JSON, without what is as it is by default."""
+    """Document of a dataclass: values of JSON, without those as by default."""
     if isinstance(value, tuple):
         return [to_document(item) for item in value]
     if not is_dataclass(value):
@@ -124,7 +124,7 @@ def or_null(schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def list_of(schema: dict[str, Any], count: int | None = None) -> dict[str, Any]:
-    """A list, of so many items where that is given."""
+    """Schema of a list, of `count` items where that is given."""
     found = {"type": "array", "items": schema}
     return found if count is None else {**found, "minItems": count, "maxItems": count}
 

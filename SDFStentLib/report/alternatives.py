@@ -75,7 +75,7 @@ def _of_each(
     told: Callable[[Section], Lines],
     note: str = "",
 ) -> ComparedRow:
-    """A row of which every report tells its part."""
+    """Row with a cell of every report."""
     return ComparedRow(
         title, note, tuple(told(one) if one is not None else () for one in documents)
     )
@@ -84,7 +84,7 @@ def _of_each(
 def _per_stent(
     title: str, documents: Iterable[Section | None], told: Callable[[Section, Facts], str]
 ) -> ComparedRow:
-    """A row with a line for every stent of which there is something to say."""
+    """Row with a line for every stent that has one."""
 
     def lines(document: Section) -> Lines:
         stents = document["stents"]
@@ -95,7 +95,7 @@ def _per_stent(
 
 
 def _labels(stents: Sequence[Facts]) -> list[str]:
-    """The label before what is said of a stent: name or number; one stent alone needs none."""
+    """Label of a stent in a cell: name or number; one stent alone needs none."""
     if len(stents) == 1:
         return [""]
     return [f"{one.value('name') or 'Stent {}'.format(one.value('number'))}: " for one in stents]

@@ -50,7 +50,7 @@ def beside_facts(stent: TreatedStent) -> Iterator[Fact]:
 
 
 def _largest(values: Iterable[float]) -> float:
-    """The largest of those that are known."""
+    """Largest known value."""
     return float(max(filter(math.isfinite, values), default=math.nan))
 
 
@@ -66,9 +66,7 @@ def contact_words(found: Apposition | None) -> str:
 def branch_facts(
     number: int, branch: Ostium, lumen: NeighborLumen | None, units: str = "mm"
 ) -> Facts:
-    """Facts of one ostium beside a stent of that number, and the branch's lumen where its wall has
-    moved.
-    """
+    """Facts on an ostium beside a stent, and on the branch's lumen where its wall has moved."""
     before, after = (None, None) if lumen is None else (lumen.before, lumen.after)
     start, end = (millimeters(one, 1, signed=True) for one in (branch.start, branch.end))
     return Facts(
@@ -185,7 +183,7 @@ def _branch_sentence(
 
 
 def _called(branch: BranchBeside, of_several: bool, coverage: str = "") -> str:
-    """A branch, with the stent from which its place counts where there are several."""
+    """Branch, with the stent from which its place counts where there are several."""
     stent = f"stent {branch.nearest}" if of_several else ""
     said = ", ".join(filter(None, (stent, coverage)))
     return f"{branch.ostium.name} ({said})" if said else branch.ostium.name

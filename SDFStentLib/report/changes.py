@@ -36,7 +36,7 @@ _TRIANGLES = {
 
 
 def input_facts(result: PlanResult) -> list[Facts]:
-    """Facts of every input file: what it is, and which one."""
+    """Facts on every input file: its kind, and its identity."""
     surface, line_file = result.inputs.surface, result.inputs.line_file
     found = [
         Facts(
@@ -188,8 +188,8 @@ AS_WRITTEN = "as written"
 
 
 def check_facts(surface: SurfaceFile, check: SurfaceCheck) -> Facts:
-    """Whether a surface is sound, what it lacks, and whether it is of one run with what is beside
-    it."""
+    """Facts on the soundness of a surface, its faults, and whether the files beside it are of one
+    run with it."""
     found, verdict = check.as_dict(), check.sentence(surface.units)
     size = (
         f"{len(surface.points)} points, {surface.surface.made_of} triangles, "
@@ -231,7 +231,7 @@ def output_list(files: Mapping[str, str]) -> list[dict[str, str]]:
 
 
 def output_facts(path: Path) -> Facts:
-    """Whether the files of a report, or of a comparison, are those that were written with it.
+    """Facts on the files of a report, or of a comparison: whether they are the written ones.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Plans side by side: one document, from which one page for the heart-team meeting is made."""
+"""Plans side by side: one document, and from it a page for the heart-team meeting."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def comparison_document(comparison: PlanComparison) -> dict[str, Any]:
 def comparison_pictures(
     comparison: PlanComparison, *, hides_device: bool = False
 ) -> list[bytes] | str:
-    """The picture of every sheet of the page, or the sentence that says why there is none.
+    """Pictures of the page's sheets, or the sentence that says why there are none.
 
     Empty for a sheet on which no plan could be carried out. `hides_device` as of
     `alternatives_picture`.

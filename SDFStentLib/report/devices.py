@@ -1,4 +1,4 @@
-"""Devices as a report and the command line tell them."""
+"""Devices in a report and on the command line."""
 
 from __future__ import annotations
 

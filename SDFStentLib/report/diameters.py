@@ -20,7 +20,7 @@ LUMEN = "Narrowest lumen"
 """The name of the lumen on a tile."""
 
 ERROR = "diameters.over_stented_length.mean_after_minus_prescribed_mm"
-"""Key of the fact that is a sentence below the table of diameters."""
+"""Key of the sentence below the table of diameters."""
 
 
 class MeasuredLine(NamedTuple):

@@ -73,18 +73,18 @@ class Fact(NamedTuple):
 
     @property
     def cell(self) -> str:
-        """The values beside those of other plans, what it came to first; lengths to 0.01 mm."""
+        """Values beside those of other plans, the one after first; lengths to 0.01 mm."""
         words = millimeters(self.after) if self.unit == "mm" else self.words
         return f"{words} (before {self.was})" if self.was else words
 
     @property
     def is_known(self) -> bool:
-        """Whether there is anything to say of it."""
+        """Whether it has a value to tell."""
         return {self.was, self.words} != {UNKNOWN}
 
     @property
     def in_few(self) -> str:
-        """The value on tiles, and where there is little room."""
+        """Value on tiles, and where there is little room."""
         return self.few or f"{self._rounded[-1]} {self.unit}"
 
     @property
@@ -183,7 +183,7 @@ LISTED = 4
 
 
 def listed(words: Sequence[str], between: str = ", ") -> str:
-    """The first of some words, and how many more there are."""
+    """First of some words, and the number of the others."""
     more = len(words) - LISTED
     return between.join([*words[:LISTED], *([f"and {more} more"] if more > 0 else [])])
 

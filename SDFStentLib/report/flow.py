@@ -251,7 +251,7 @@ def _facts(section: Section, moment: str, most: int | None) -> Iterator[Fact]:
 
 
 def _held(known: Section) -> str:
-    """The words that tell whose the split is where no pressures tell it; empty where they do."""
+    """Words for the origin of a split that no pressures give; empty where they give it."""
     if known["inlet_pressure_mmhg"] is not None:
         return ""
     return "as given" if known["split_right"] is not None else "assumed"

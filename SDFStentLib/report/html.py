@@ -74,7 +74,7 @@ def file_part(inputs: Section) -> list[str]:
 
 
 def certificate_sentence(certificate: Section | None) -> tuple[bool, str]:
-    """Whether the surface may be used as it is, and the sentence that says so."""
+    """Verdict on the surface's use as it is, and the sentence for it."""
     if not certificate:
         return False, "The deployed surface was not checked."
     return bool(certificate["passed"]), str(certificate["sentence"])

@@ -19,7 +19,7 @@ from .markup import facts_table, heading, paragraph
 from .words import UNKNOWN, degree_text, degree_word, degrees_text, millimeters, point_words
 
 SHOWN = 5
-"""Lesions that are listed where there are many."""
+"""Number of lesions that are listed where there are many."""
 
 LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
 NO_LESION = f"No lesion of {LEAST} was found."
@@ -168,7 +168,7 @@ def lesion_lines(
     remedies: tuple[str, str] = ("", ""),
     most: int | None = None,
 ) -> list[str]:
-    """The lesions for the shell, or that there is none; those in small vessels are counted.
+    """Lines on lesions for the shell, or that there is none; those in small vessels are counted.
 
     Where that takes `most` lines or more, only what the first ones are. `remedies` say how small
     ones are listed, and how all.

@@ -72,10 +72,9 @@ class Report(NamedTuple):
     """Report of a plan that was carried out, as `plan_report` makes it."""
 
     sections: Mapping[str, Any]
-    """Sections by name, as facts and plain values: what there is to tell, in documents and
-    pages."""
+    """Sections by name, as facts and plain values, for documents and pages."""
     picture: bytes | str | None = None
-    """The picture of the page: a PNG, or the sentence that says why there is none."""
+    """Picture of the page: a PNG, or the reason for none in a sentence."""
 
     def with_outputs(self, files: Mapping[str, str]) -> Report:
         """Report with the files that were written, as seen from its folder, and their SHA-256."""

@@ -1,5 +1,5 @@
-"""Vessels that were made, in documents and words: a segment that was cut out, and one of a
-segmentation, with how exact numbers of it are."""
+"""Vessels that were made, in documents and words: segments, and vessels from segmentations with the
+exactness of their numbers."""
 
 from __future__ import annotations
 
@@ -264,7 +264,7 @@ KINDS = (
     ("minimum_lumens_mm", "narrowest lumen", "mm", 2),
     ("pressure_drops_mmhg", "recovered pressure drop", "mmHg", 1),
 )
-"""Key, words, unit and digits of what there is a range of, as `VoxelRange` has it."""
+"""Key, words, unit and digits of the quantities with a range, as `VoxelRange` has them."""
 
 
 def voxel_facts(found: VoxelRange) -> Facts:

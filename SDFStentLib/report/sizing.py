@@ -59,7 +59,7 @@ def _suggestion(suggestion: Suggestion, devices: Sequence[Device]) -> Iterator[F
 
 
 def proposal_sentence(suggestion: Suggestion) -> str:
-    """The stent that is proposed, by its sizes."""
+    """Sentence on the proposed stent's sizes."""
     stent, balloon = suggestion.stent, suggestion.stent.balloon
     assert balloon is not None
     device = "" if stent.device is None else f" of {stent.device.name}"

@@ -109,7 +109,7 @@ def _sizes(treated: TreatedStent, covered: Sequence[TreatedLesion]) -> Iterable[
 
 
 def _shape(treated: TreatedStent) -> Iterable[Fact]:
-    """The shape of a stent that is no cylinder, with its profile; null for a cylinder."""
+    """Facts on the shape of a stent that is no cylinder, with its profile; null for a cylinder."""
     shape, profile = treated.stent.shape, treated.axis.profile
     if shape is None or profile is None:
         yield Fact("shape")

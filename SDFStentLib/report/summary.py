@@ -114,7 +114,7 @@ def stent_lines(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) ->
 
 
 def _at_a_glance(stents: Sequence[Facts], are_several: bool) -> Iterator[str]:
-    """A line per fact that is told first, of all stents."""
+    """Lines on all stents, one per fact that is told first."""
     for label in dict.fromkeys(fact.label for one in stents for fact in one.at(GLANCE)):
         found = {
             one.value("number"): fact.change
@@ -235,7 +235,7 @@ def _nearest_lesion(
 
 
 def surface_fact(certificate: Certificate | None, units: str = "mm") -> Fact:
-    """Whether the surface may be meshed as it is; None where no certificate was asked for."""
+    """Fact on the surface as a mesher's input; `certificate` is None where none was asked for."""
     word = NOT_CERTIFIED if certificate is None else certificate.word
     is_certified = certificate is not None and certificate.passed
     few, beneath = _OF_SURFACE[word]

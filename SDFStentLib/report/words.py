@@ -88,7 +88,7 @@ def millimeters(value: float | None, digits: int = 2, *, signed: bool = False) -
 
 
 def size_words(value: float) -> str:
-    """A size that was set: to a tenth of a millimeter, or to a hundredth where that tells more."""
+    """Set size: to a tenth of a millimeter, or to a hundredth where that adds something."""
     return millimeters(value, 1 if round(value, 1) == round(value, 2) else 2)
 
 
@@ -117,7 +117,7 @@ def _rounded(value: float, digits: int) -> float:
 
 
 def band_words(band: Mapping[str, float], scale: float = 1.0) -> str:
-    """A value and between what it lies, where that is known."""
+    """Value and its limits, where these are known."""
     value, low, high = (brief(scale * band[name]) for name in ("value", "low", "high"))
     return value if low == high else f"{value} ({low} to {high})"
 
@@ -134,7 +134,7 @@ def point_text(position: Sequence[float | None]) -> str:
 
 
 def point_words(position_mm: Sequence[float | None], units: str) -> str:
-    """Coordinates in mm and, where that is another one, in the unit of the file."""
+    """Coordinates in mm and, if another one, in the unit of the file."""
     text = f"{point_text(position_mm)} mm"
     if units == "mm":
         return text

@@ -29,7 +29,7 @@ ROUNDS = 5
 """Number of moves of points toward the middle of their neighbors, along the wall."""
 
 PART = 0.7
-"""Share of the way to that middle."""
+"""Share of the way to the middle of the neighbors."""
 
 BULGE = 1 / 3
 """Share of the way from the middle of its neighbors by which a point moves out: the middles of
@@ -162,7 +162,7 @@ def _off_middle(points: Points, links: Triangles) -> Points:
 
 
 def _along(ways: Points, normals: Points) -> Points:
-    """The part of some ways (n, 3) that is along the wall."""
+    """Part of ways (n, 3) along the wall."""
     return ways - dot(ways, normals)[:, None] * normals
 
 

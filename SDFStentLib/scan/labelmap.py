@@ -14,8 +14,7 @@ Grid = NDArray[np.floating[Any]]
 """Values (i, j, k) at voxels."""
 
 AROUND = 12
-"""Voxels round a label in which its smoothed border has room, and the vessel goes on where the
-image cuts it."""
+"""Voxels round a label as room for its smoothed border, and for the vessel beyond the image."""
 
 STRAIGHT = 1e-3
 """Largest product of two directions of voxels that are perpendicular; headers have few digits."""

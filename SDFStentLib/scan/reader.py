@@ -21,8 +21,8 @@ from .labelmap import Labelmap
 INSTALL = 'pip install "SimpleITK>=2.3"'
 
 MOSTLY = 0.5
-"""Share of neighbors that are alike in a segmentation: a part of it is wider than a voxel or two.
-In an image of a scanner, which has noise, neighbors differ."""
+"""Least share of equal neighbors in a segmentation: a part of it is wider than a voxel or two. In
+an image of a scanner, which has noise, neighbors differ."""
 
 _SAID = 12
 """Number of labels that a sentence names."""
@@ -217,7 +217,7 @@ def _name_of(known: Sequence[LabelEntry], value: int, layer: int) -> str:
 def _chosen(
     present: Sequence[LabelEntry], known: Sequence[LabelEntry], label: str | int | None, path: Path
 ) -> LabelEntry:
-    """The label that is meant; `InputError` where that is none or not one."""
+    """Label by the user's words; `InputError` for none, or more than one."""
     some = ", ".join(one.words for one in present[:_SAID])
     some += f" and {len(present) - _SAID} more" if len(present) > _SAID else ""
     if label is None:

@@ -66,7 +66,7 @@ def wall_distance(labelmap: Labelmap, share: float = SHARE) -> Grid:
 
 
 def _boxes(marked: Flags, reach: Indices) -> Iterator[tuple[Box, Box]]:
-    """The box round what is marked, wider by a reach, and the box itself within it."""
+    """Box round the marked voxels, wider by a reach, and the box itself within it."""
     from scipy.ndimage import find_objects
 
     for tight in find_objects(marked.astype(np.uint8)):

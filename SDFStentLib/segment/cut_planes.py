@@ -36,7 +36,7 @@ SAME = 1e-6
 
 @dataclass(frozen=True)
 class CutPlane:
-    """A plane across a vessel by which a segment of it is cut off."""
+    """Plane across a vessel that cuts off a segment."""
 
     name: str
     """Name of the branch that it cuts."""

@@ -153,7 +153,7 @@ def _moves(finder: PlaneFinder, lines: Lines, faults: Sequence[str]) -> _Moves:
 
 
 def _moved(tree: Centerline, lines: Lines, moves: _Moves) -> Places:
-    """The first points of the lines, moved where there is a move."""
+    """First points of the lines, moved where a move is given."""
     first, last = (
         tree.project(line.points[0] if move is None else move.place)
         for line, move in zip(lines, moves, strict=True)

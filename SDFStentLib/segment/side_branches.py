@@ -26,8 +26,7 @@ vessel."""
 
 
 STUB = 1.5
-"""Length, in diameters, of a side branch that is kept where it becomes an outlet: flow turns into
-it."""
+"""Length, in diameters, kept of a side branch that becomes an outlet: flow turns into it."""
 
 
 class OpenBranch(NamedTuple):

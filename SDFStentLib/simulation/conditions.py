@@ -81,7 +81,7 @@ class Conditions(NamedTuple):
 
     @property
     def offset(self) -> float:
-        """The amount by which pressures are above those that the solver has, dyn/cm^2."""
+        """Amount to add to the pressures of the solver, dyn/cm^2."""
         return self.wedge - self.distal
 
 

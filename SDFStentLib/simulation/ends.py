@@ -118,7 +118,7 @@ def _changed(
 def _places(
     finders: list[PlaneFinder], line: Points, start: float, needed: float
 ) -> Iterator[float]:
-    """Arc lengths of a line at which planes are free: from what is needed on, else before it."""
+    """Arc lengths of a line at which planes are free: from the needed one on, else before it."""
     end = float(Line(line).arc_lengths[-1])
     beyond = np.arange(start + needed, end, SPACING)
     before = np.arange(min(start + needed, end) - SPACING, start, -SPACING)
@@ -134,7 +134,7 @@ LAYERS_PER_RADIUS = 2
 
 
 def extended(segment: Segment, name: str, by: float) -> Segment | None:
-    """A segment of which one end is drawn out along its normal.
+    """Segment with one end drawn out along its normal.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The folder of a simulation: cases for the solver, scripts that solve them, what is known."""
+"""Folder of a simulation: cases for the solver, scripts that run it, and a document."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ class Origin(NamedTuple):
 
 
 def write_cases(folder: Path, prepared: Prepared, origin: Origin, processes: int = 2) -> None:
-    """Write all that is needed to solve the flow in a vessel before and after.
+    """Write all that the solver needs for the flow in a vessel before and after.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ TIME_LIMIT = 1800.0
 
 
 class MeditMesh(NamedTuple):
-    """Points, triangles with the number of their face, and tetrahedra where there are any."""
+    """Points, triangles with the number of their face, and tetrahedra, if any."""
 
     points: Points
     """(n, 3) mm."""

@@ -28,8 +28,8 @@ COARSER = 1.5
 """Times the edges of the second mesh, whose difference is the error bar."""
 
 FLAT_DEG = 1.0
-"""Angle between two sides from which a tetrahedron is too flat: what it weighs in the equations
-goes with the cotangent, and solvers fail on it."""
+"""Angle between two sides from which a tetrahedron is too flat: its weight in the equations goes
+with the cotangent, and solvers fail on it."""
 
 STATES = ("before", "after")
 
@@ -204,7 +204,7 @@ def _known(moment: Moment) -> dict[str, tuple[float, float, float]]:
 def _along_flow(
     found: ExtractedSegment, tree: Centerline, way: Points, means: Mapping[str, float]
 ) -> tuple[ExtractedSegment, Points, str]:
-    """A segment whose inlets are where blood comes in, the way from the first one, and its end.
+    """Segment with the inlets of the blood, the way from the first of them, and its end.
 
     `means` flow out of the ends before treatment, mL/s. The way is that between the two ends; where
     blood does not come in at its begin and leave at its end, it is that from an inlet to an outlet
@@ -262,7 +262,7 @@ def _with_extensions(
 
 
 def _at(segment: Segment, place: Points) -> SegmentFace:
-    """The end that is nearest to a place."""
+    """End nearest to a place."""
     return min(ends_of(segment), key=lambda face: float(np.linalg.norm(face.center - place)))
 
 
@@ -302,7 +302,7 @@ def _mesh(plan: _Planned, wishes: Wishes, steps: TimeSteps) -> Mesh:
 
 
 def well_filled(surfaces: Iterable[Remeshed]) -> Filled:
-    """The first surface that is filled without flat tetrahedra, and these."""
+    """First surface filled without flat tetrahedra, and these tetrahedra."""
     flattest = 0.0
     for made in surfaces:
         volume = filled(made)

@@ -34,7 +34,7 @@ GRADING = 1.25
 """Largest ratio of an edge to the next one."""
 
 SPARE = 1.2
-"""Edges come out up to so many times as long as was asked for."""
+"""Largest ratio of an edge to the wanted size, as they come out."""
 
 NEAR = 32
 """Points of the centerline among which the vessel of a place is looked for."""

@@ -32,7 +32,7 @@ class FaceFlow(NamedTuple):
     pressure: float
     """Static, the mean over the area, mmHg."""
     total: float
-    """Total pressure, with that of the motion, the mean over the flow, mmHg."""
+    """Total pressure, static and dynamic, its mean weighted by the flow, mmHg."""
 
 
 class Found(NamedTuple):
@@ -54,7 +54,7 @@ class CaseResult(NamedTuple):
     peak: Found | None
     """Values at the frame with the most flow through all inlets; None for steady flow."""
     spread: float
-    """The spread of the inlet pressure over the frames, as a part of it."""
+    """Spread of the inlet pressure over the frames, as a part of it."""
 
 
 class SolvedCase:

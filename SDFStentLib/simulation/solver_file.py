@@ -1,4 +1,4 @@
-"""The input of svMultiPhysics for a mesh: what is solved, for how long, and what is saved.
+"""Input of svMultiPhysics for a mesh: equations, time steps, and outputs.
 
 Element names as its own test cases have them (github.com/SimVascular/svMultiPhysics,
 tests/cases/fluid); all in cm, g and s.
@@ -40,7 +40,7 @@ MOST_STEPS = 200_000
 """The most steps of a solution: weeks of a large computer."""
 
 CYCLES, CYCLE_FRAMES, MODES = 3, 20, 16
-"""Numbers of a wave: cycles, what is saved of the last one, and the fewest harmonics."""
+"""Numbers of a wave: cycles, saved frames of the last one, and the fewest harmonics."""
 
 MODES_WITHIN = 0.01
 """Share of the range of a wave, within which its harmonics meet its rows."""

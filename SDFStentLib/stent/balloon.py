@@ -16,7 +16,7 @@ from ..validation import InputError, as_number
 from .device import MAXIMUM_DIAMETER, diameter_field, part_field
 
 USUAL_RECOIL = 0.07
-"""Part of the balloon's diameter that is lost: mean of the source, whose SD is 0.04."""
+"""Usual recoil, as a part of the balloon's diameter: mean of the source, whose SD is 0.04."""
 
 RAISED_RECOIL = 0.10
 """The recoil where the source saw more than this: its least."""
@@ -28,7 +28,7 @@ WIDE_BALLOON = 3.0
 """Diameter of the balloon over that of the native lumen above which the recoil is raised."""
 
 MOST_RECOIL = 0.5
-"""Largest recoil that is taken for one."""
+"""Largest plausible recoil."""
 
 AS_GIVEN = "as given"
 """The reason for a recoil that no rule has chosen."""
@@ -59,12 +59,12 @@ class Balloon:
 
     @property
     def is_given(self) -> bool:
-        """Whether somebody has said what the recoil is, rather than the rule."""
+        """Whether its recoil was given, rather than found by the rule."""
         return self.reason == AS_GIVEN
 
     @property
     def lumen_diameter(self) -> float:
-        """Diameter of the lumen that it leaves when it is let down, and that is deployed, mm."""
+        """Lumen after its deflation, mm: the deployed diameter."""
         return self.diameter * (1.0 - self.recoil_fraction)
 
 
@@ -96,7 +96,7 @@ def balloon_by_rule(diameter: float, native_lumen: float) -> Balloon:
 def balloon_of(
     diameter: float, recoil_fraction: float | None = None, native_lumen: float = math.nan
 ) -> Balloon:
-    """The balloon of a diameter, mm, with a recoil that is given, or by the rule in a lumen."""
+    """Balloon of a diameter, mm, with a given recoil, or by the rule in a lumen."""
     if recoil_fraction is None:
         return balloon_by_rule(diameter, native_lumen)
     return Balloon(diameter, recoil_fraction)
@@ -126,7 +126,7 @@ def balloon_leaving(lumen: float, native_lumen: float, decimals: int | None = No
 
 
 def check_lumen(balloon: Balloon, diameter: float) -> None:
-    """Refuse a lumen, mm, that is not the one that a balloon leaves; `InputError`."""
+    """Refuse a lumen, mm, other than the balloon leaves; `InputError`."""
     left = balloon.lumen_diameter
     if not math.isclose(diameter, left, rel_tol=1e-9):
         raise InputError(

@@ -16,27 +16,27 @@ from ..parameter import check_parameters, parameter
 from ..validation import InputError, as_number, in_short, printable
 
 MAXIMUM_DIAMETER = 100.0
-"""Largest diameter that is taken for a stent's, mm; more is another unit or a slip."""
+"""Largest plausible diameter of a stent, mm; more is another unit or a slip."""
 
 MAXIMUM_LENGTH = 500.0
-"""Largest length that is taken for a stent's, mm."""
+"""Largest plausible length of a stent, mm."""
 
 LEAST_FORESHORTENING, MOST_FORESHORTENING = -0.2, 0.5
 """Parts of a nominal length that a stent can lose on expansion; below 0 it grows."""
 
 
 def diameter_field(does: str, **more: Any) -> Any:
-    """A field that is a diameter, mm."""
+    """Field with a diameter, mm."""
     return parameter(does, unit="mm", above=0, most=MAXIMUM_DIAMETER, **more)
 
 
 def length_field(does: str, **more: Any) -> Any:
-    """A field that is a length, mm."""
+    """Field with a length, mm."""
     return parameter(does, unit="mm", above=0, most=MAXIMUM_LENGTH, **more)
 
 
 def part_field(does: str, least: float, most: float, **more: Any) -> Any:
-    """A field that is a part of something."""
+    """Field with a fraction of something."""
     return parameter(does, least=least, most=most, **more)
 
 
@@ -142,7 +142,8 @@ class Device:
             )
 
     def foreshortening_at(self, diameter: float) -> float:
-        """Part of the nominal length that is lost at a diameter, mm; its length is interpolated.
+        """Foreshortening at a diameter, mm, as a part of the nominal length; lengths are
+        interpolated.
 
         Raises
         ------
@@ -171,7 +172,7 @@ class Device:
     def cautions(
         self, diameter: float, length: float | None, opened: float | None = None
     ) -> Iterator[Caution]:
-        """Cautions for a diameter, or a nominal length, mm, that is another than is known of it.
+        """Cautions for a diameter, or a nominal length, mm, beyond those known of it.
 
         `opened` is how far it is opened for that diameter, where that is farther.
         """

@@ -28,7 +28,7 @@ SLENDER = 1.7
 """Height of a ring over half the width of its cells, where the number of rings is free."""
 
 MOST_RINGS = 500
-"""Beyond them nothing could be told apart in a drawing."""
+"""Largest numbers of rings and crowns: beyond them nothing could be told apart in a drawing."""
 
 GAP = 0.3
 """The gap of open cells: distance of two rings over the height of one."""
@@ -82,12 +82,12 @@ class LatticeDesign:
         as_number(self.crimped_diameter, "crimped diameter", unit="mm", above=0, maximum=100)
 
     def expansion_at(self, radius: float, widest: float) -> float:
-        """The expansion, 0 to 1, of a stent that is `radius` now and `widest` in the end, mm."""
+        """Expansion, 0 to 1, at a `radius`, of a stent that ends at `widest`, mm."""
         packed = min(self.crimped_diameter / 2, widest)
         return float(np.clip((radius - packed) / max(widest - packed, 1e-9), 0, 1))
 
     def ring_count(self, length: float, radius: float) -> int:
-        """Rings of a deployed stent of that size, mm."""
+        """Number of rings of a deployed stent of that size, mm."""
         if self.rings is not None:
             return self.rings
         height = max(SLENDER * np.pi * radius / self.crowns, length / MOST_RINGS)

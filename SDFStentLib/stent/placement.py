@@ -34,7 +34,7 @@ TURNED_BACK = -0.999
 
 @dataclass(frozen=True)
 class InputFile:
-    """A file that goes into a plan: its absolute path, and its SHA-256 where that is known."""
+    """Input file of a plan: its absolute path, and its SHA-256 where that is known."""
 
     path: str
     sha256: str | None = None
@@ -200,7 +200,7 @@ Placement = (
 PLACEMENT_NAMES = [kind.__name__ for kind in Placement.__args__]
 
 OfVessel = AtLesion | OnBranch
-"""Places that a vessel turns into points: before that nobody knows where they are."""
+"""Placements in terms of a vessel, which alone turns them into points."""
 
 
 def _check_way(line: Line) -> None:

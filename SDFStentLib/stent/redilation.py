@@ -1,4 +1,4 @@
-"""The same stent once more, at a larger diameter."""
+"""Redilation: the same stent once more, at a larger diameter."""
 
 from __future__ import annotations
 

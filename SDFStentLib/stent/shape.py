@@ -1,4 +1,4 @@
-"""The shape of a stent that is no cylinder: one profile of diameters over its axis."""
+"""Shape of a stent that is no cylinder: one profile of diameters over its axis."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Waist:
 
 @dataclass(frozen=True)
 class StentEnd:
-    """An end that is wider (flare) or narrower (taper) than the stent."""
+    """End that is wider (flare) or narrower (taper) than the stent."""
 
     diameter: float = diameter_field("at the very end", called="end of the stent")
     length: float = length_field("to where it has its own diameter", called="length of the end")
@@ -130,7 +130,7 @@ class Shape:
             )
 
     def check(self, diameter: float) -> None:
-        """Refuse what does not fit a stent of that diameter, mm; `InputError`."""
+        """Refuse parts that do not fit a stent of that diameter, mm; `InputError`."""
         if self.waist is not None and self.waist.diameter > diameter:
             raise InputError(
                 f"waist: expected at most the {diameter:g} mm of the stent, got "
@@ -145,7 +145,7 @@ class Shape:
                 )
 
     def widest(self, diameter: float) -> float:
-        """Largest diameter of a stent that is else so wide, mm."""
+        """Largest diameter of a stent with this shape and a nominal diameter, mm."""
         ends = [end.diameter for end in (self.start, self.end) if end is not None]
         return max([diameter, *ends])
 

@@ -33,7 +33,7 @@ from .placement import (
 from .shape import Shape
 
 DEFAULT_FORESHORTENING = 0.10
-"""Fraction of the nominal length that is lost on expansion where a nominal length is given."""
+"""Usual foreshortening, as a fraction of the nominal length where one is given."""
 
 
 KEPT = ("center", "proximal", "distal")
@@ -160,7 +160,7 @@ class Stent(ByValue):
 
     @property
     def inflated_diameter(self) -> float:
-        """The diameter of the balloon that expands it, or its own where there is none, mm."""
+        """Diameter of the balloon that expands it, or its own without one, mm."""
         return self.diameter if self.balloon is None else self.balloon.diameter
 
     @property
@@ -203,7 +203,7 @@ class Stent(ByValue):
                 yield caution
 
     def check_kind(self, kind: type) -> None:
-        """Refuse a kind of placement that the sizes rule out, wherever that will be.
+        """Refuse a kind of placement that the sizes rule out anywhere.
 
         Raises
         ------

@@ -79,15 +79,14 @@ LEAST_PART = 0.5
 wrong place, not short of a few millimeters."""
 
 LONGEST_AXIS = 1000.0
-"""The longest axis of a stent, or of a part that is measured, mm: no way through vessels is
-longer."""
+"""Longest axis of a stent, or of a measured part, mm: no way through vessels is longer."""
 
 LENGTH_TOLERANCE = 1e-6
 """Lengths that differ by less than this are the same, mm."""
 
 NOTICEABLE = 0.1
-"""An axis shorter than prescribed by less than this is not worth a warning, mm: lengths are told
-to a tenth, so that whatever is lost beyond it can be read from them."""
+"""Least loss of length that a caution tells, mm: lengths are told to a tenth, so that whatever is
+lost beyond it can be read from them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +132,8 @@ class StentAxis:
         return float(np.linalg.norm(self.points[-1] - self.points[0]))
 
     def minimum_bend_radius(self, stent_radius: float) -> float:
-        """Tightest bend as a stent of that radius feels it, mm; infinity when straight.
+        """Radius of the axis's tightest bend, as a stent of that radius feels it, mm; infinity if
+        straight.
 
         Measured over windows of the stent's radius, which smaller wiggles do not bend. A corner
         counts as tighter than the stent's radius above 60 degrees.

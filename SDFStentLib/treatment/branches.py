@@ -1,4 +1,4 @@
-"""The branches beside the stents of a treatment: each once, and what all stents cover of it."""
+"""Branches beside the stents of a treatment: each once, with its coverage by all stents."""
 
 from __future__ import annotations
 
@@ -68,16 +68,16 @@ class BranchBeside(NamedTuple):
     """A branch beside one stent or more."""
 
     stents: tuple[int, ...]
-    """Their numbers."""
+    """Numbers of the stents."""
     nearest: int
-    """The number of that from which its place counts."""
+    """Number of the stent from which its place counts."""
     ostium: Ostium
     """The ostium as seen from there, but its share as the first of them found it: before others
     changed it."""
     lumen: NeighborLumen | None
     """The lumen where it lost most; None where its wall has not moved."""
     narrowed_by: tuple[int, ...]
-    """The numbers of those on whose way it is narrowed."""
+    """Numbers of the stents on whose way it is narrowed."""
 
 
 def branches_beside(stents: Sequence[TreatedStent]) -> tuple[BranchBeside, ...]:

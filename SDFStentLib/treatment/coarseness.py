@@ -13,7 +13,7 @@ from ..geometry import Surface, SurfaceIndex, median_edge, side_lengths
 from .value import TreatedStent
 
 COARSE = 0.6
-"""Edge at the expanded stent over its radius that is warned of.
+"""Edge at the expanded stent over its radius, from which on a caution is given.
 
 In 120 stents of straight and bent phantoms, by the wall's distance from the axis, the narrowest
 place was at most 0.6 % too narrow below a median of 0.35 radii, 1.2 % below 0.5, 1.7 % below 0.6;
@@ -22,7 +22,7 @@ anatomies had at most 0.31.
 """
 
 AT_STENT = np.sqrt(2.0)
-"""Facets are compensated by corners at up to so many radii from the axis."""
+"""Distance from the axis, in radii, of corners by which facets are compensated."""
 
 BESIDE = 0.1
 """Radii of the stent beyond the nearest wall within which wall counts as that of a narrow place."""

@@ -73,7 +73,7 @@ def treated_lesions(
 
 
 def _is_left(lesion: Lesion) -> bool:
-    """Whether something is left of it; areas are asked for where diameters leave that open."""
+    """Whether a stenosis is left; areas are asked for where diameters leave that open."""
     return lesion.percent_diameter >= _LEAST_LEFT or lesion.percent_area >= _LEAST_LEFT
 
 
@@ -110,8 +110,8 @@ def _tightest_within(line: Line, lesions: Sequence[Lesion]) -> Lesion | None:
 def _known_at(
     found: DiameterProfile, line: Line, lesion: Lesion | None, *, is_same: bool
 ) -> DiameterProfile:
-    """A lumen with the narrowest place of a lesion where it is narrower there than it was found to
-    be, or where that is the place that was found, and `is_same`."""
+    """Lumen with a lesion's narrowest place, if narrower than found, or the place found and
+    `is_same`."""
     if lesion is None:
         return found
     at = float(line.nearest(np.array([lesion.point])).arc_lengths[0])

@@ -218,7 +218,7 @@ class _Drawing:
         return found
 
     def _line(self, begin: int, start: int, stop: int) -> Points:
-        """The places of a way, behind that at which it leaves another one."""
+        """Places of a way, behind its departure from another one."""
         stations = np.arange(start, stop)
         return self.points[np.append(begin, stations) if begin >= 0 else stations]
 
@@ -242,7 +242,7 @@ class _Drawing:
 
 
 def _free_of_ends(centers: Points, radii: Floats, has_inlet: bool) -> Indices:
-    """The balls of a way but those that touch what closes its ends; these stay themselves."""
+    """Balls of a way except those that touch the closing of its ends; these stay themselves."""
     touches = norm(centers - centers[-1]) < 1.05 * radii
     if has_inlet:
         touches |= norm(centers - centers[0]) < 1.05 * radii

@@ -1,4 +1,4 @@
-"""Stents of a plan put into a vessel, one after another, as it is by then."""
+"""Placement of a plan's stents, one after another in the vessel as it is then."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class InterimVessel(NamedTuple):
 
     @property
     def dragged(self) -> Points:
-        """(n, 3) all that is dragged along, mm: the centerline, then the companions."""
+        """(n, 3) points that are dragged along, mm: the centerline's, then the companions."""
         if self.centerline is None:
             return self.companions
         return np.concatenate([self.centerline.points, self.companions])

@@ -71,7 +71,8 @@ class Landmarks(NamedTuple):
         return float(start), float(end)
 
     def nearest(self, kind: type[OfVessel], point: Points | None) -> AtLesion | OnBranch:
-        """The place of a kind, `AtLesion` or `OnBranch`, that is nearest to a point (3,) or none.
+        """Place of a kind, `AtLesion` or `OnBranch`, nearest to a point (3,), or a usual one
+        without.
 
         `InputError` where there is no lesion.
         """

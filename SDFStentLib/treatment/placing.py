@@ -16,8 +16,8 @@ from ..validation import Flags, Floats, Points, as_number
 from ..vessel import Lesion, lesions_within
 
 NOTICED = 1.0
-"""Less of a lesion beyond the ends of a stent is not told, mm: a lesion's ends are not known to
-better than the stations along its vessel."""
+"""Length of a lesion beyond a stent's ends, mm, up to which it counts as covered: a lesion's ends
+are not known to better than the stations along its vessel."""
 
 _SPACING = 0.1
 _SAME = 1e-6
@@ -116,7 +116,7 @@ class HealthyVessel(NamedTuple):
 
 
 def beside_lesion(lesion: Lesion) -> HealthyVessel:
-    """Healthy vessel of a lesion: on both sides of it, and where that is narrowest."""
+    """Healthy vessel of a lesion: on both sides of it, and the narrower of these."""
     proximal, distal = (
         math.nan if one is None else one.diameter for one in (lesion.proximal, lesion.distal)
     )

@@ -171,7 +171,7 @@ class Preview:
         self._points, self._lumen = surface.points.copy(), VesselInside(surface)
 
     def prepare(self) -> None:
-        """Make now what the first preview needs and what is the same wherever it will be."""
+        """Prepare the first preview: what is the same wherever it will be."""
         if self.centerline is not None:
             self._proxy.probes(self.centerline.points)
 

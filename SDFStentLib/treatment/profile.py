@@ -1,4 +1,4 @@
-"""A stent as it is about to be deployed: its diameters along its axis in the vessel."""
+"""Stent in its turn: its diameters along its axis in the vessel."""
 
 from __future__ import annotations
 

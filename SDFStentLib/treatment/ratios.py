@@ -43,8 +43,8 @@ SEEN_RATIOS = (
 than 1 mm thick in pulmonary arteries, 5 of 9 stents had been overdilated at implantation."""
 
 WIDE = 1.2
-"""Stent over the healthy vessel that is warned of: the most of `SEEN_RATIOS` in coarctations. In
-pulmonary arteries more was seen, and a rupture."""
+"""Ratio of stent to healthy vessel from which on a caution is given: the most of `SEEN_RATIOS` in
+coarctations. In pulmonary arteries more was seen, and a rupture."""
 
 NARROW = 0.38
 """The least of them."""
@@ -74,7 +74,7 @@ class SizeRatios:
 
     @property
     def adjacent_diameter(self) -> float:
-        """The diameter of the healthy vessel where that is narrowest, mm."""
+        """Diameter of the healthy vessel where it is narrowest, mm."""
         return self.healthy.narrowest
 
     @property

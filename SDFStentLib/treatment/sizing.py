@@ -180,7 +180,7 @@ def suggested(
 
 
 def _sized(balloon: Balloon, lesion: Lesion, number: int, wishes: SizingWishes) -> Stent:
-    """A stent at no place yet that is long enough for a lesion once it has shortened."""
+    """Unplaced stent that covers a lesion after its foreshortening."""
     wanted = lesion.length + 2 * wishes.margin
     offered = () if wishes.device is None else wishes.device.offered_lengths
     stent = Stent(

@@ -66,14 +66,14 @@ ROUNDS = 64
 """Steps toward the goal. Each is proven to stay in the lumen, so that stopping early is safe."""
 
 NOTICEABLE = 1e-3
-"""Share of the way that is worth a word."""
+"""Missing share of the way from which on a caution is given."""
 
 
 class AxisChange(NamedTuple):
     """Smoothing and straightening of a stent's axis."""
 
     straightening_fraction: float = 0.0
-    """0 as it is, 1 straight: the share by which each piece turns to the direction of the chord."""
+    """Share by which each piece turns to the direction of the chord: 0 as it is, 1 straight."""
     smoothing_length: float = 0.0
     """The length as for `smoothed_line`, mm; before it is straightened."""
 
@@ -152,16 +152,16 @@ class Permitted(NamedTuple):
     """The part of a way that keeps an axis off the wall."""
 
     fraction: float
-    """The part of it that is kept to, at most that which is asked for."""
+    """Part of the way that is gone, at most the one asked for."""
     place: Floats
-    """(3,) where the axis then is nearest to what it has to keep, mm."""
+    """(3,) place of the axis then that is nearest to its limit, mm."""
 
 
 class _Told(NamedTuple):
     kind: str
     """The kind of the warning where less of the way is gone."""
     fraction: float
-    """The part of the way that is asked for."""
+    """Part of the way that is asked for."""
     stent_radius: float
 
 

@@ -225,7 +225,7 @@ def switched_on(stents: Sequence[Stent]) -> list[tuple[int, Stent]]:
 
 
 def is_redilation(stent: Stent, number: int) -> bool:
-    """Whether a stent is the one of that number once more."""
+    """Whether a stent is that of a number, dilated again."""
     return isinstance(stent.placement, OfStent) and stent.placement.number == number
 
 
@@ -241,7 +241,8 @@ def latest_of(number: int, stents: Mapping[int, Stent]) -> int:
 
 
 def resolved(stent: Stent, placed: Mapping[int, PlacedStent]) -> tuple[Stent, StentAxis | None]:
-    """A stent with the sizes of the earlier one that it dilates again, and that one's axis.
+    """Stent with the sizes, and the axis, of the earlier one it dilates again; None for no such
+    axis.
 
     One that has been dilated again in between is dilated as it lies by then.
 
@@ -283,7 +284,7 @@ def label_of(stents: Sequence[Stent], number: int, rows: Sequence[int] = ()) -> 
 
 @contextmanager
 def labeled(label: str) -> Iterator[None]:
-    """Put a stent's label in front of what is raised inside."""
+    """Label errors that are raised inside with their stent."""
     try:
         yield
     except InputError as error:

@@ -1,4 +1,4 @@
-"""A vessel before treatment: what is looked for and measured in it."""
+"""Vessel before treatment, with all that is found and measured in it."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ class Vessel:
         return Landmarks(self.centerline, self.lesions or (), self.branch_names)
 
     def placed(self, stent: Stent) -> Stent:
-        """The stent by a point, where its placement is one that only a vessel knows.
+        """Stent by a point, where its placement is in terms of a vessel.
 
         `InputError` as of `placement_in`, and without a centerline.
         """

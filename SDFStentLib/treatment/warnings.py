@@ -23,7 +23,7 @@ WIDEST = 4.0
 """Largest diameter of a stent over that of the lumen; more is another unit or a slip."""
 
 HANGING = 1 / 3
-"""Part of a stent that hangs free from which on that is told: a round number, for want of a source.
+"""Part of a stent hanging free from which on a caution is given: round, for want of a source.
 
 Of 15 stents by the rule of sizing, in five vessels, 13 hung free over at most 3 %, two over 12 and
 30 %, across ostia. At a lesion, 0.7 times as wide as the healthy vessel, one hung free over 48 %,
@@ -36,7 +36,7 @@ _SPACING, _ROUNDING = 0.1, 1e-6
 def check_width(
     diameter: float, axis: StentAxis, surface: Surface, probes: Points | None = None
 ) -> None:
-    """Refuse a stent that is far wider than the vessel, before hours are spent on it.
+    """Refuse a stent far wider than the vessel, before hours are spent on it.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def nothing_moved(
 
 
 def hangs_free(treated: TreatedStent) -> Iterator[Caution]:
-    """Whether a stent hangs free over so much of its length that it may not stay where it is."""
+    """Whether a stent hangs free over so much of its length that it may migrate."""
     found = treated.apposition
     if found is not None and found.hanging_length >= HANGING * found.length:
         yield Caution("hangs-free", {"free_mm": found.hanging_length, "length_mm": found.length})

@@ -17,7 +17,7 @@ from ..validation import Flags, Floats, Indices, InputError
 from .runs import VesselRun
 
 _SAFELY = 1 + 1e-9
-"""Factor on a radius that is enough, against rounding."""
+"""Factor on a sufficient radius, against rounding."""
 
 
 def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:

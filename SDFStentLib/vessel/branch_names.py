@@ -114,7 +114,7 @@ def _leading_to(
 
 
 def faces_at_ends(surface: Surface, centerline: Centerline, faces: NamedFaces) -> dict[int, int]:
-    """The face of the model that is a cap at each point of a centerline at which it ends."""
+    """Face of the model at each end of a centerline that lies in a cap."""
     caps = _caps(surface, faces)
     return {
         int(end): number

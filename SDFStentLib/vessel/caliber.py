@@ -44,7 +44,7 @@ class Caliber(NamedTuple):
     kept: Floats
     """(n,) the widths that are kept about a place; 0 where none is, as beside a junction."""
     is_cut: tuple[bool, bool]
-    """Whether an inlet or outlet cuts it off where it begins and ends: it goes on beyond."""
+    """Whether an inlet or outlet cuts off its start and its end: it goes on beyond."""
 
 
 def caliber_of(run: VesselRun) -> Caliber:
@@ -100,7 +100,7 @@ def _close_places(run: VesselRun) -> tuple[Floats, Floats]:
 
 
 class VesselWay(NamedTuple):
-    """A vessel between what it comes from and what it goes on in."""
+    """A vessel with the one it comes from and the ones it goes on in."""
 
     run: VesselRun
     """The run with their stations, too. Its parent is that of the first of them, and nothing is
@@ -110,7 +110,7 @@ class VesselWay(NamedTuple):
     rank: int
     """Number of vessels between it and the root that do not go on foremost in the next one."""
     parent: int
-    """Index of the vessel from which the vessel itself comes; -1 for one that begins at a root."""
+    """Index of the vessel that this one itself leaves; -1 for one that begins at a root."""
     begins: tuple[tuple[float, int], ...]
     """Arc length from the root at which each vessel of the way begins, mm, and its index."""
 
@@ -148,7 +148,8 @@ def vessel_ways(runs: Sequence[VesselRun]) -> list[VesselWay]:
 
 
 def _onward(runs: Sequence[VesselRun], number: int) -> int:
-    """The vessel in which one that divides goes on: of those alike the one that begins widest."""
+    """Index of the vessel in which one that divides goes on: of those alike the widest at its
+    start."""
     nodes = {one.arc_length for one in runs[number].division}
     known = [
         child
@@ -166,7 +167,7 @@ def _begins(run: VesselRun) -> float:
 
 
 def _joined(facts: VesselRun, first: VesselRun, last: VesselRun) -> VesselRun:
-    """Stations of a vessel up to where another one begins, and then those of that one."""
+    """Stations of a vessel up to the start of another one, then those of that one."""
     known = last.along[np.isfinite(last.diameter)]
     before, beyond = first.along <= last.along[0], last.along > last.along[0]
     # What is not known before is the lumen of the junction.

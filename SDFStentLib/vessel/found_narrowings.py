@@ -28,7 +28,7 @@ from .runs import VesselRun, vessel_runs
 from .tree_around import limbs_of
 
 _ROUGHLY = 0.05
-"""The part of the reference by which a narrowing may be deeper than rough spheres tell."""
+"""Share of the reference by which a narrowing may be deeper than by rough spheres."""
 
 
 def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[VesselRun], list[int]]:
@@ -51,7 +51,7 @@ def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[Vessel
 
 
 def _asked(runs: Sequence[VesselRun]) -> list[int]:
-    """The vessels that may have a narrowing, or healthy vessel beside that of another one."""
+    """Vessels with a possible narrowing, or with healthy vessel beside another's."""
     found: set[int] = set()
     for number, way in enumerate(vessel_ways(runs)):
         for narrow in narrowings(way.run, _ROUGHLY, way.own):
@@ -64,7 +64,7 @@ def _asked(runs: Sequence[VesselRun]) -> list[int]:
 def own_runs(
     wall: LocalSurface, runs: Sequence[VesselRun], spheres: Sequence[InscribedSpheres]
 ) -> list[VesselRun]:
-    """Vessels with the spheres at their stations, but those that have left them.
+    """Vessels with the spheres at their stations, except spheres that have left them.
 
     What is not known of a vessel stays so.
     """
@@ -95,7 +95,7 @@ class FoundNarrowing:
 
     @property
     def sides(self) -> tuple[Plateau | None, Plateau | None]:
-        """The healthy vessel proximal and distal of it."""
+        """Healthy vessel proximal and distal of it."""
         return self.narrow.reference.proximal, self.narrow.reference.distal
 
     @cached_property
@@ -115,7 +115,8 @@ class FoundNarrowing:
         return float(self.narrow.reference.at(np.array([self.narrow.narrowest]))[0])
 
     def is_tighter_than(self, other: FoundNarrowing) -> bool:
-        """Whether less is left of its vessel than of another one's, by more than an edge is."""
+        """Whether its residual lumen is a smaller share than another one's, by more than an
+        edge."""
         left, others = 1 - self.narrow.degree, 1 - other.narrow.degree
         return left <= (1 - EDGE_DEGREE) * others
 

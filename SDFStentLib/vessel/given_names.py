@@ -18,14 +18,14 @@ from .tree_around import limbs_of
 
 
 class VesselName(NamedTuple):
-    """A vessel as the user calls it, and what tells which one it is."""
+    """Name of a vessel by the user, with the face or place that identifies it."""
 
     name: str
     at: int | Place
     """The face of the model at its end, or a place in it, mm."""
 
     def turned(self) -> VesselName:
-        """The same in the other patient frame, RAS or LPS: x and y negated."""
+        """Name in the other patient frame, RAS or LPS: x and y negated."""
         if isinstance(self.at, int):
             return self
         x, y, z = self.at
@@ -117,7 +117,7 @@ def _chains(runs: Sequence[VesselRun]) -> list[list[int]]:
 
 
 def _branch_at(place: Floats, label: str, surface: Surface, runs: Sequence[VesselRun]) -> int:
-    """The branch in whose own lumen a place (3,) lies, whichever line there is the nearest."""
+    """Branch in whose own lumen a place (3,) lies, whichever line is nearest there."""
     known = [np.isfinite(run.diameter) for run in runs]
     points = np.concatenate(
         [run.points[is_known] for run, is_known in zip(runs, known, strict=True)]

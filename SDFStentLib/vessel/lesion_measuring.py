@@ -27,11 +27,11 @@ from .lesion_sections import between_neighbors, cut_at, on_line, tightest
 from .lesion_value import Lesion
 
 _MATTERS = 3.0
-"""Wall farther from a lesion's line than so many diameters of its reference bounds neither its
-spheres nor its sections."""
+"""Distance of wall from a lesion's line, in diameters of its reference, beyond which it bounds
+neither its spheres nor its sections."""
 
 _NEARLY = 1.05
-"""Times its narrowest station up to which another one of a lesion is looked at closely: a wall of
+"""Factor on its narrowest station up to which others of a lesion are looked at closely: a wall of
 triangles has dips that are shorter than stations are apart."""
 
 
@@ -101,7 +101,7 @@ def lesions_after(
 
 
 def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
-    """Whether the sphere may be another one at points (k,) of a lesion's line.
+    """Whether the sphere may have changed at points (k,) of a lesion's line.
 
     None where neither a sphere nor a section of the lesion can have changed.
     """

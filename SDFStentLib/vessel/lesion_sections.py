@@ -24,8 +24,8 @@ OWN_SECTION = 1.5
 wider is the section of the vessel from which this one comes, or goes on into a branch."""
 
 _HEALTHY_SECTIONS = 5
-"""Sections along healthy vessel, of which the least oblong tells the area: branches that leave, and
-lines that go aslant, only make them larger."""
+"""Number of sections along healthy vessel, of which the least oblong gives the area: branches that
+leave, and lines that go aslant, only make them larger."""
 
 _BESIDE = 2.0
 """Distance from a lesion's line, in its widths, within which its own sections lie."""

@@ -24,7 +24,7 @@ class HealthyPlace:
     diameter: float
     """Inscribed, the usual one about the point, mm."""
     cut: Callable[[], float] = field(repr=False)
-    """Tells its area when somebody asks for it."""
+    """Function that measures its area."""
 
     @property
     def area(self) -> float:
@@ -43,7 +43,7 @@ class Lesion:
     branch: int
     """Index into `Centerline.branches` of the branch in which it is narrowest."""
     branch_name: str
-    """The name of that branch, as `branch_names` has it."""
+    """Name of that branch, as of `branch_names`."""
     branch_arc_length: float
     """The arc length of the narrowest place, from the start of that branch."""
     arc_length: float
@@ -95,17 +95,17 @@ class Lesion:
 
     @property
     def minimum_area(self) -> float:
-        """The area of that section, mm^2."""
+        """Area of the smallest cross-section, mm^2."""
         return self.section.area
 
     @property
     def reference_area(self) -> float:
-        """The area of the healthy vessel there, mm^2."""
+        """Area of the healthy vessel at that section, mm^2."""
         return self.section.reference
 
     @property
     def percent_area(self) -> float:
-        """The percentage by which the section is smaller."""
+        """Percent stenosis by area."""
         return self.section.percent
 
     @property
@@ -115,7 +115,7 @@ class Lesion:
 
 
 def with_sections(lesions: tuple[Lesion, ...]) -> tuple[Lesion, ...]:
-    """The same lesions, their sections cut before somebody waits for them."""
+    """Lesions with their sections cut before somebody waits for them."""
     for lesion in lesions:
         _cut = lesion.section
     return lesions

@@ -34,7 +34,7 @@ from .narrowings import SMALLEST_DEGREE, Plateau
 from .runs import VesselRun, is_main
 
 _ASLANT = 2.0
-"""An axis that goes aslant meets the section within so many reaches of its middle."""
+"""Distance from a section's middle, in reaches, within which an axis that goes aslant meets it."""
 
 _INNER = 0.25
 """Healthy diameters from a narrowest place within which an axis passes it, however tight it is: in

@@ -23,7 +23,7 @@ def lesions_against(
     surface: Surface,
     centerline: Centerline,
 ) -> tuple[Lesion, ...]:
-    """The lesions of a vessel, the one beside the marked places against these.
+    """Lesions of a vessel, that beside the marked places against these.
 
     Parameters
     ----------

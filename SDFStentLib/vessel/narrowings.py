@@ -23,17 +23,17 @@ SMALLEST_DEGREE = 0.15
 segmentations."""
 
 SMALLEST_ONE_SIDED = 0.35
-"""The same at an ostium, or where a vessel divides: of 252 side branches of a measured tree that
+"""Degree at an ostium, or where a vessel divides: of 252 side branches of a measured tree that
 nobody narrowed half begin 4 % narrower than they go on, one in ten 26 %, one in fifty 34 %, and one
 41 %."""
 
 SMALLEST_ONWARD = 0.2
-"""The same where a vessel begins in which its parent goes on: 24 that nobody narrowed begin by 10
-to 13 % narrower, one by 25 %."""
+"""Degree where a vessel begins in which its parent goes on: 24 that nobody narrowed begin by 10 to
+13 % narrower, one by 25 %."""
 
 SMALLEST_ALONE = 0.5
-"""The same of a vessel between two junctions, against what its branches ask for: of 547 that nobody
-narrowed half are 4 to 13 % narrower, one in fifty 33 to 41 %, none 50 %."""
+"""Degree of a vessel between two junctions, against its branches: of 547 that nobody narrowed half
+are 4 to 13 % narrower, one in fifty 33 to 41 %, none 50 %."""
 
 ONE_SIDED_REACH = 2.0
 """Diameters within which a vessel is wider again beyond an ostium: what widens more slowly than
@@ -104,7 +104,7 @@ _EVERYWHERE = (-np.inf, np.inf)
 def narrowings(
     run: VesselRun, eased: float = 0.0, own: tuple[float, float] = _EVERYWHERE
 ) -> list[Narrowing]:
-    """The narrowings of a vessel from its start to its end, or what is one nearly, by so much.
+    """Narrowings of a vessel from its start to its end, and near ones within a margin.
 
     The deepest comes first: what lies in it is no other one. `run` may go on beyond `own` (see
     `VesselWay`): narrowings are narrowest there.
@@ -231,7 +231,7 @@ def _beyond(run: VesselRun, before: Plateau | None, after: Plateau | None, begin
 
 
 def _side(caliber: Caliber, at: int, way: int) -> tuple[Floats, Floats, Floats]:
-    """Distances from a place (n,), diameters and widths that are kept on one side of it."""
+    """Distances (n,) from a place, with diameters and kept widths, on one side of it."""
     along, diameter, kept = (column[at:] if way > 0 else column[at::-1] for column in caliber[:3])
     return np.abs(along - along[0]), diameter, kept
 

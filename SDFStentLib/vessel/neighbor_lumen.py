@@ -24,7 +24,7 @@ from ..validation import Flags, Floats, Indices, Points
 from .neighbor_ways import DISTAL, PROXIMAL, SHORTEST, NeighborWay
 
 NOTICEABLE = 0.05
-"""Share of a diameter that is lost and worth a word."""
+"""Least noticeable loss, as a share of a diameter."""
 
 _SPACING = 1.0
 
@@ -32,10 +32,10 @@ _MEASURED_AT = 3
 """Stations of a neighbor at which it is measured."""
 
 _MOTION = 0.01
-"""Motion of the wall that no diameter tells, in distances from the way to the wall."""
+"""Negligible motion of the wall, in distances from the way to the wall."""
 
 _BESIDE = 1.5
-"""Wall that matters to a station is nearer than so many times the nearest."""
+"""Distance of wall that matters to a station, over that of the nearest."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class NeighborLumen:
 
     @property
     def loss(self) -> float:
-        """Share of the diameter that is lost; negative where it is wider everywhere."""
+        """Loss as a share of the diameter; negative where it is wider everywhere."""
         return 1 - self.after / self.before
 
     @property

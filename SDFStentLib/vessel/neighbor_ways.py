@@ -26,7 +26,7 @@ _WITHIN = 0.5
 from the axis beyond which it leaves the vessel there."""
 
 PROXIMAL, DISTAL = "the vessel proximal of the stent", "the vessel distal of the stent"
-"""Names of what goes on beyond its ends."""
+"""Names of the vessel beyond its ends."""
 
 
 class NeighborWay(NamedTuple):
@@ -38,7 +38,7 @@ class NeighborWay(NamedTuple):
 
 
 def end_ways(axis: ExtendedAxis) -> tuple[NeighborWay, ...]:
-    """The vessel beyond the ends of the stent, as far as it goes on."""
+    """Ways beyond the ends of the stent, as far as the axis goes on."""
     first, ways = axis.before + axis.stent_length, []
     if axis.before > SHORTEST:
         start = axis.line.cut(0.0, axis.before).reversed()

@@ -47,8 +47,8 @@ SAC = "aneurysm"
 """A pouch `ANEURYSM` times as wide as its neck."""
 
 _AT_INLET = 2.0
-"""The centerline begins within so many mm of the middle of the inlet, or within the diameter of the
-ostium."""
+"""Distance of the inlet from an ostium's outlet, mm, within which both are one, or the diameter of
+the ostium."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Ostium:
     outline: Points = ()  # type: ignore[assignment]
     """(j, 3) points of the expected wall along the border of the opening, in no order."""
     areas: Floats = ()  # type: ignore[assignment]
-    """(r,) of the rows of that wall round the axis, mm^2, between"""
+    """(r,) areas of the rows of that wall round the axis, mm^2, between"""
     edges: Floats = ()  # type: ignore[assignment]
     """(r + 1,) these positions along the stent."""
     pouch: str = ""
@@ -117,7 +117,7 @@ class Ostium:
         return min(share / below[-1], 1.0)  # rounding
 
     def is_same(self, other: Ostium) -> bool:
-        """Whether another stent has the same branch beside it, whatever each calls it.
+        """Whether it is the same branch as one beside another stent, whatever each is called.
 
         Most of what both lead to is the same; where nothing is known of that, one has its middle
         in the other.

@@ -23,16 +23,16 @@ pmc.ncbi.nlm.nih.gov/articles/PMC2716468). Of four rules that of these authors a
 coronary bifurcations of all types (Huo et al., doi:10.4244/EIJV7I11A206)."""
 
 MAIN = 0.1
-"""Share of what flows out of the vessel at the root, by the rule above, from which one that comes
-from it is a main one. The narrowest left pulmonary arteries of the anatomies have 0.19, however
-wide the trunk is; one of 18 segments has 0.06."""
+"""Share of the flow out of the vessel at the root, by the rule above, from which on a vessel that
+comes from it is a main one. The narrowest left pulmonary arteries of the anatomies have 0.19,
+however wide the trunk is; one of 18 segments has 0.06."""
 
 CONTINUES = 0.7
 """Share of what the rule above expects of a vessel beyond a side branch that it has at least: it
 may taper over a narrowing. Half of the area."""
 
 LOCAL = 4.0
-"""Diameters from a junction over which the caliber of the vessel that comes is looked for."""
+"""Diameters before a junction in which the caliber of the vessel is looked for."""
 
 
 class SideBranch(NamedTuple):
@@ -63,11 +63,11 @@ class VesselRun(NamedTuple):
     division: tuple[SideBranch, ...]
     """Branches into which it divides at its end; empty at an outlet."""
     parent: int
-    """Index of the vessel from which it comes; -1 for one that begins at a root."""
+    """Index of the parent vessel; -1 for one that begins at a root."""
     generation: int
     """Number of vessels between it and the root."""
     caliber: float
-    """The caliber of the widest healthy part of what it leads to, mm; 0 where nothing is known."""
+    """Caliber of the widest healthy part that it leads to, mm; 0 where nothing is known."""
     outlets: int
     """The number of ends of the centerline to which it leads."""
     beside: tuple[float, ...] = ()

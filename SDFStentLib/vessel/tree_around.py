@@ -12,7 +12,7 @@ from ..geometry import Line, norm
 from ..validation import Floats, Indices
 
 _FINE = 0.1
-"""Distance of the points of an axis that tell how far from it something is, mm."""
+"""Spacing of an axis's points for distances from it, mm."""
 
 
 def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:

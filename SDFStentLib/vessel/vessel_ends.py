@@ -17,7 +17,8 @@ BESIDE = 10.0
 unit."""
 
 BESIDE_TIP = 2.0
-"""A line leads to an end within so many of its radii; one that begins well inside does not."""
+"""Distance of a line's tip from an end, in the end's radii, within which it leads there; one that
+begins well inside does not."""
 
 
 class VesselEnd(NamedTuple):
@@ -136,7 +137,7 @@ def line_seeds(
 def known_ends(
     surface: Surface, inlet: Points | None = None, outlets: Sequence[Points] = ()
 ) -> KnownEnds:
-    """The ends of a vessel that its surface tells, or that are named.
+    """Ends of a vessel, by its surface or by name.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def known_ends(
 
 
 def _named(closed: Surface, ends: list[VesselEnd], place: Points, name: str) -> int:
-    """The point of a closed surface that a place stands for; ends have its last points."""
+    """Index of a closed surface's point for a place; ends have its last points."""
     (place,) = as_points([place], name)
     away = [float(np.linalg.norm(end.center - place)) for end in ends]
     number = away.index(min(away)) if ends else 0

@@ -16,7 +16,7 @@ from .tree_around import branch_of
 from .vessel_ends import vessel_ends
 
 MOSTLY = 0.5
-"""A face of the model is a cap when more of it than this lies in one flat cap."""
+"""Share of a face of the model in one flat cap from which on it is a cap."""
 
 
 class VesselParts(NamedTuple):
@@ -35,7 +35,7 @@ class VesselParts(NamedTuple):
     """(k, 3) middles of flat caps and open ends, mm."""
     branch_names: tuple[str, ...]
     units: str = "mm"
-    """The unit of the file of the surface, in which places are told, too."""
+    """Unit of the surface's file, in which places are told, too."""
 
     def branch_name(self, place: Location) -> str:
         """The name of the branch of the centerline at a place."""

@@ -33,7 +33,7 @@ class SeenView(NamedTuple):
 
     view: ArmView
     foreshortening: float
-    """Share of the length that is lost."""
+    """Foreshortening: share of the length that is lost."""
     covered: float
     """Share of the stretch that lies under other lumen."""
     ostia_covered: float
@@ -41,7 +41,7 @@ class SeenView(NamedTuple):
     seen: float
     """Share that is seen: what is left of the length, times what is free of the area of both."""
     over_it: tuple[int, ...] = ()
-    """Indices of the branches that cover the stretch, most of it first."""
+    """Indices of the branches that cover the stretch, the one over most of it first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class ViewMap:
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A stretch of a vessel tree that is to be shown, and all that may lie in the way.
+    """A stretch of a vessel tree to be shown, and the vessels that may lie in the way.
 
     Parameters
     ----------

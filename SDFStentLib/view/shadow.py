@@ -84,7 +84,7 @@ def covered_shares(known: Obstacles, axes: Floats) -> Floats:
 
 
 def covering_branches(known: Obstacles, axes: Floats) -> Indices:
-    """The branches whose spheres cover a target in one view (3, 3), most of it first."""
+    """Branches whose spheres cover a target in one view (3, 3), that over most of it first."""
     hits = [
         (known.others.branches[ball], station * STRIPS + strip)
         for _, station, ball, strip in _hits(known, axes[None])

@@ -12,7 +12,7 @@ from ..geometry import Line, norm
 from ..validation import Floats, Indices, Points
 
 STATIONS = 25
-"""Places along a stretch that is looked at, and"""
+"""Number of places along a stretch to look at, and"""
 
 STATIONS_OF_OSTIUM = 3
 """along the beginning of a branch."""
@@ -47,7 +47,7 @@ class Target(NamedTuple):
     weights: Floats
     """(n,) how much each counts; they add up to 1, or are none."""
     area: float = 0.0
-    """The area of all of it in a picture from the side, mm^2."""
+    """Area of the whole target in a picture from the side, mm^2."""
 
 
 def spheres_of(tree: Centerline) -> Spheres:

@@ -30,11 +30,11 @@ from ..place import check_lesion_number, check_place, inputs_of, place_of, treat
 from .options import views_of, wishes_of
 
 _PROBE_DIAMETER = 1.0
-"""Diameter of the stent that stands for the place that is looked at, mm; any number will do."""
+"""Diameter of the stent by which the place is looked at, mm; any number will do."""
 
 
 def views_command(options: argparse.Namespace, console: Console) -> int:
-    """Tell from where a lesion is seen best, and draw what is seen."""
+    """Report the best views of a lesion, and draw them."""
     is_lesion = options.at_lesion is not None and options.length is None
     has_length = None if not is_lesion else True
     way = check_place(options, needed=False, has_length=has_length)

@@ -80,7 +80,7 @@ def first_of_steps(steps: int, time: str, name: str) -> Caution:
 
 
 ARRAYS_WITH_ONE_MORE = ("Radius",)
-"""Point arrays that VMTK's network extraction writes with one value more than there are points."""
+"""Point arrays with one value too many, as VMTK's network extraction writes them."""
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ def read_array(element: Element, count: int | None, encoding: Encoding) -> Store
 
 
 def whole_number(words: dict[str, str], key: str, default: int) -> int:
-    """A number of the markup that is 0 or more; `Damage` for anything else."""
+    """Number of the markup, at least 0; `Damage` for anything else."""
     text = words.get(key, "").strip() or str(default)
     if not (text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS):
         raise Damage(f"expected a number from 0 as {key}, got {in_short(text)}")

@@ -36,7 +36,7 @@ _CLOSING = re.compile(rb"</AppendedData\s*>\s*</VTKFile\s*>\Z")
 
 @dataclass
 class Element:
-    """An element that is read: its attributes, its children, and its own text."""
+    """Element of the markup: its attributes, its children, and its own text."""
 
     tag: str
     attributes: dict[str, str]

@@ -35,13 +35,13 @@ _ROUNDS = 200
 """Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
 
 _ROUGHLY, _FINER = 60, 30
-"""Points of the wall round a sphere in the first search, and so many times more in the next."""
+"""Number of the wall's points round a sphere in the first search, and factor for the next."""
 
 _TOGETHER = 800
 """Stations of about one size that are searched roughly together: every step costs something."""
 
 _ON_WALL = 1e-9
-"""An axis point nearer to the wall than this, mm, lies on it: rounding tells no direction away."""
+"""Distance to the wall, mm, below which an axis point lies on it: rounding tells no direction."""
 
 
 class InscribedSpheres(NamedTuple):

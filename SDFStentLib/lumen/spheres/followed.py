@@ -1,4 +1,4 @@
-"""The wall round stations, followed as it moves: how a sphere there grows, told quickly.
+"""Wall round stations, followed as it moves, for the growth of a sphere there at little cost.
 
 Of the wall the nearest point in each of some directions stands for all of it. Among so few points a
 sphere climbs in a hundredth of the time that the whole wall takes, and is a little too large; how
@@ -27,10 +27,10 @@ _STEPS = 5
 """Steps of a climb; with more of them radii change by less than a percent."""
 
 _FIRST, _LEAST, _MOST = 0.25, 0.005, 0.5
-"""Half width of the box of a step, over the radius: the first one, and between what it stays."""
+"""Half width of a step's box over the radius: the first one, and its limits."""
 
 _CORNER = 2.9
-"""Wall farther than a radius and so many half widths of the box plays no part in a step."""
+"""Distance beyond a radius, in half widths of the box, past which wall plays no part in a step."""
 
 _TOUCHED = 1.1
 """Radii of a sphere within which wall that has moved may change it."""

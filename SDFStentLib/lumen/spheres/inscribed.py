@@ -87,7 +87,7 @@ def inscribed_spheres(
 
 
 class StationSearch:
-    """Spheres at stations: roughly at all of them, exactly where that is asked for.
+    """Search for spheres at stations: roughly at all, exactly on request.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class StationSearch:
 
 
 class SphereSearch:
-    """Spheres at places that come one after the other, such as on a way that is looked for.
+    """Search for spheres at one place after another, such as on a way that is looked for.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def _free_stuck(
 def _see_each_other(
     surface: LocalSurface, spheres: InscribedSpheres, others: InscribedSpheres
 ) -> Indices:
-    """Numbers (k,) of the pairs of spheres between whose centers there is no wall."""
+    """Indices (k,) of the pairs of spheres without wall between their centers."""
     offset = others.centers - spheres.centers
     gone, whole = spheres.radii.copy(), norm(offset)
     found = gone > whole - others.radii

@@ -17,10 +17,10 @@ from ...geometry import dot, norm
 from ...validation import Flags, Floats, Points
 
 _REACH = 4
-"""Stations on each side that are asked: so many may be stuck together."""
+"""Number of stations on each side that are asked: as many may be stuck together."""
 
 _CLEARLY = 1.01
-"""Times its radius by which a sphere is smaller than there is room."""
+"""Ratio of the room to a sphere's radius from which the sphere is too small."""
 
 
 class Room(NamedTuple):
@@ -29,7 +29,7 @@ class Room(NamedTuple):
     places: Points
     """(n, 3) feet of their centers,"""
     radii: Floats
-    """(n,) how large a sphere there is at least, mm; 0 where they tell nothing."""
+    """(n,) least radius of a sphere there, mm; 0 where they tell nothing."""
     disks: Floats
     """(n,) radius of the disk round there that holds no wall, mm."""
 

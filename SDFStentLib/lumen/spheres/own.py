@@ -37,7 +37,7 @@ def with_own_spheres(
     found: InscribedSpheres,
     lines: Sequence[Indices],
 ) -> InscribedSpheres:
-    """The spheres of some stations, those that have left their vessel searched anew.
+    """Spheres of some stations; those that have left their vessel are searched anew.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ _NEAR = 2.5
 """Cells about the narrowest one of the widest way within which the sphere is looked for,"""
 
 _PLANES = 11
-"""in so many planes across the way."""
+"""in this number of planes across the way."""
 
 
 def with_passing(
@@ -113,7 +113,7 @@ def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floa
 
 
 def _widest(room: Floats, away: Floats) -> tuple[int, ...]:
-    """The widest cell from which no wall parts a place: that is in its sphere."""
+    """Widest cell with a place in its sphere, and so no wall between."""
     nearest = away.argmin()
     reach = max(room.flat[nearest], away.flat[nearest])
     at = np.where(away <= reach, room, -np.inf).argmax()

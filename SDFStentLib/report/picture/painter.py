@@ -42,7 +42,7 @@ STRUT_PIXELS = 2.0
 
 
 def seen(panel: Panel, columns: int) -> vtkRenderer:
-    """A renderer in its part of a picture of so many columns."""
+    """Renderer of a panel in its part of a picture of so many columns."""
     data = polydata_from_arrays(panel.points, panel.triangles)
     data.GetPointData().SetScalars(numpy_to_vtk((255 * panel.colors).astype(np.uint8), deep=1))
     normals = vtkPolyDataNormals()

@@ -92,7 +92,7 @@ def section_marks(
 
 
 def curve(view: Viewpoint, points: Points, column: int, color: str, width: float) -> Stroke:
-    """A curve on the vessel in the panel of that column, over the wall."""
+    """Curve on the vessel in the panel of a column, over the wall."""
     corners = view.pixels(points) + np.array([column * PANEL_WIDTH, 0])
     return Stroke([(float(x), float(y)) for x, y in corners], color, width)
 
@@ -236,7 +236,7 @@ def _lumens(stents: Sequence[TreatedStent]) -> list[Lumen]:
 
 
 def _apart(lumens: Sequence[Lumen]) -> list[Lumen]:
-    """The marks without those that are there already: plans share stretches of vessel."""
+    """Marks without repeats: plans share stretches of vessel."""
     kept: list[Lumen] = []
     for lumen in sorted(lumens, key=lambda one: float(one.diameters[0].min())):
         place = lumen.axis.at([lumen.narrowest])

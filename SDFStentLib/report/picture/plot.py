@@ -14,10 +14,10 @@ from .drawing import GRAY, INK, Box, Disc, Drawing, Mark, Stroke, Words, shifted
 _WIDTH, _HEIGHT, _FLAT = 820, 380, 300
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62, 14, 62, 48
 _HEADING = 30
-"""Height of the line above a plot that names its stent, where there is one."""
+"""Height of the line above a plot with its stent's name, where it has one."""
 
 _BEFORE, _AFTER, _PRESCRIBED = "#b35806", "#08519c", "#111111"
-"""Told apart also by readers who do not tell red from green."""
+"""Colors that also readers who confuse red with green tell apart."""
 
 _FREE, _STRIP = "#f0b400", 8
 """Color of the stretches without contact, and height of the stent on the floor of the plot."""
@@ -197,7 +197,7 @@ def _beyond(first: float, last: float) -> Iterator[Mark]:
 def _strip(
     first: float, last: float, across: _Scale, stretches: Sequence[Mapping[str, Any]]
 ) -> Iterator[Mark]:
-    """The stent, and the parts of it that touch no wall."""
+    """Marks of the stent, and of its parts that touch no wall."""
     floor = _HEIGHT - _BOTTOM
     yield Box(first, floor - _STRIP, last - first, _STRIP, "#8a939c")
     for one in stretches:

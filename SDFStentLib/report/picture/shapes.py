@@ -28,7 +28,7 @@ DIAMETER_COLORS = np.array(
 """Narrow to wide; lightness rises evenly, so that color-blind readers see it too."""
 
 REACH = 1.15
-"""The wall has the color of its stent's lumen up to so many radii from the axis."""
+"""Distance from the axis, in radii, up to which the wall has the color of its stent's lumen."""
 
 
 class Panel(NamedTuple):

@@ -79,12 +79,12 @@ def film_of(
 
 
 def scale_length(per_mm: float, room: float) -> int:
-    """The largest length, mm, that is no more than a quarter of the room at so many pixels/mm."""
+    """Largest round length, mm, within a quarter of the room, at a scale in pixels/mm."""
     return max(one for one in NICE if one == NICE[0] or one * per_mm <= room / 4)
 
 
 def _draw(gray: Gray, corners: Floats) -> None:
-    """Draw a curve (p, 2) of columns and rows, one pixel wide, as far as it is in the picture."""
+    """Draw a curve (p, 2) of columns and rows, one pixel wide, clipped to the picture."""
     steps = np.hypot(*np.diff(corners, axis=0).T)
     passed = np.r_[0.0, np.cumsum(steps)]
     at = np.linspace(0.0, passed[-1], int(2 * passed[-1]) + 2)

@@ -17,7 +17,7 @@ to what views chosen by eye had at most (Green et al., Catheter Cardiovasc Inter
 50 %)."""
 
 LINE, COVER = "#08519c", (179, 88, 6)
-"""Colors of the lines, and of what is covered."""
+"""Colors of the lines, and of covered parts."""
 
 
 def map_marks(told: ToldViews, left: float, top: float, width: float) -> list[Mark]:

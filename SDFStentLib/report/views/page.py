@@ -1,4 +1,4 @@
-"""Working views in a page: what is seen of every stent, and from where."""
+"""Working views of every stent in a page."""
 
 from __future__ import annotations
 

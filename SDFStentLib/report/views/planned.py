@@ -23,7 +23,7 @@ from .sight import Sight
 
 
 class SeenStent(NamedTuple):
-    """The views of a stent, and what is seen from there."""
+    """Views of a stent, and the walls and struts seen in them."""
 
     number: int
     told: ToldViews
@@ -58,7 +58,7 @@ class SeenStent(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PlannedViews:
-    """The stents of a plan as they will be seen, or why that is not told."""
+    """Views of a plan's stents, or the reason for none."""
 
     stents: tuple[SeenStent, ...]
     wishes: ViewWishes
@@ -76,12 +76,12 @@ class PlannedViews:
 
 
 def no_views(wishes: ViewWishes | None, reason: str) -> PlannedViews:
-    """The views of a plan that are not told, and why."""
+    """Views of a plan without any, and the reason."""
     return PlannedViews((), wishes or ViewWishes(), reason)
 
 
 def planned_views(result: PlanResult, *, hides_device: bool = False) -> PlannedViews:
-    """The views of all stents that lie in the vessel in the end, or why there are none."""
+    """Views of all stents that lie in the vessel in the end, or the reason for none."""
     check_is_a(result, PlanResult, "result")
     wishes = result.plan.views or ViewWishes()
     try:

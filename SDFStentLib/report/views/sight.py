@@ -1,4 +1,4 @@
-"""A stretch of vessel as it is seen from anywhere: the best views, the facts of any, and a film."""
+"""Sight of a stretch of vessel from anywhere: the best views, the facts of any, and a film."""
 
 from __future__ import annotations
 
