@@ -104,7 +104,7 @@ class _PixelScale:
         return self.first + share * (self.last - self.first)
 
     def ticks(self) -> list[dict[str, Any]]:
-        """Round values within the ends, and their places."""
+        """Round values between the ends, and their places."""
         span = self.high - self.low
         step = next((s for s in STEPS if span / s <= MOST_TICKS), STEPS[-1])
         first = np.ceil(self.low / step) * step

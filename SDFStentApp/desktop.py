@@ -30,7 +30,7 @@ class AsyncTimer:
         self._waiting = asyncio.get_running_loop().call_later(self._seconds, self._run)
 
     def stop(self) -> None:
-        """Cancel the call that is still to come."""
+        """Cancel the pending call."""
         if self._waiting is not None:
             self._waiting.cancel()
         self._waiting = None
@@ -60,7 +60,7 @@ class Shortcut:
         self._is_enabled = is_enabled
 
     def press(self, name: Any) -> None:
-        """Do what the key stands for, which was pressed in a widget of this name."""
+        """Act as the key, pressed in a widget of this name."""
         if self._is_enabled and self._name in (None, name):
             self._action()
 

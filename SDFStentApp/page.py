@@ -267,7 +267,7 @@ class Page:
             self._flush()
 
     def edit(self, name: str, value: Any) -> None:
-        """Change a widget in a way for which there is no state variable."""
+        """Change a widget without a state variable for the change."""
         self.take_edits()
         widget = self.panel.widgets.get(name)
         if widget is not None:
@@ -442,7 +442,7 @@ class Page:
         self.say(opened.warnings)
 
     def _made(self, former: Any) -> None:
-        """Give a centerline that was made a file, as one that was opened has."""
+        """Give a newly made centerline a file, as an opened one has."""
         line = self.parameters.centerline
         self.home.mkdir(parents=True, exist_ok=True, mode=0o700)
         save_model(line, self.home / f"{line.GetID()}.vtp")

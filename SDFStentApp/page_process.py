@@ -136,7 +136,7 @@ class PageProcess:
             kill(process)
 
     async def _over(self) -> None:
-        """Clean up after the process has ended for whatever reason, and tell the server."""
+        """Clean up after the process has ended for whatever reason, and notify the server."""
         if self._leaving is not None:
             self._leaving.cancel()
         if self._process is not None and self._process.returncode is None:

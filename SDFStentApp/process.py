@@ -18,7 +18,7 @@ MODULE = Path(__file__).resolve().parents[1] / "SDFStent"
 """The folder of the Slicer module."""
 
 HEADER = "X-SDFStent-Page"
-"""Name of the header with the secret, without which this process answers nobody."""
+"""Name of the header with the secret, without which this process answers no request."""
 
 
 def prepare() -> None:

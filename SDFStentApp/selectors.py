@@ -13,7 +13,7 @@ from vtkmodules.util.vtkConstants import VTK_OBJECT
 from .widgets import Widget, shown
 
 NEW = "+"
-"""The value that stands for a new node, in place of a node's ID."""
+"""Value for a new node, in place of a node's ID."""
 
 SCENE_EVENTS = {
     "NodeAddedEvent": 10.0,
@@ -87,8 +87,7 @@ class SceneSelector(Widget):
 
 
 def neighbor(items: list[Any], item: Any) -> Any:
-    """The item that a selector shows after its present one is removed: the next one, or else the
-    one before; None if it was the only one."""
+    """Item of a selector after its present one is removed: the next one, or else the one before; None if it was the only one."""
     index = items.index(item)
     others = items[:index] + items[index + 1 :]
     return others[min(index, len(others) - 1)] if others else None
@@ -137,7 +136,7 @@ class NodeComboBox(SceneSelector):
         return self._scene.GetNodeByID(self.nodeID) if self._scene and self.nodeID else None
 
     def setCurrentNode(self, node: Any) -> None:
-        """Choose a node that is offered; any other node counts as none."""
+        """Choose one of the offered nodes; any other node counts as none."""
         isThere = node is not None and node.GetScene() is self._scene and not self._isImporting()
         self._take(node if isThere and self._is_offered(node) else None)
 
@@ -166,8 +165,7 @@ class NodeComboBox(SceneSelector):
             yield from found
 
     def _isImporting(self) -> bool:
-        """Whether there is no scene, or one that is importing: imported nodes are seen only at the
-        end."""
+        """Whether no scene is set, or it is importing: imported nodes are seen only at the end."""
         return self._scene is None or bool(self._scene.IsImporting())
 
     def _is_offered(self, node: Any) -> bool:

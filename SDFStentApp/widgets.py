@@ -97,7 +97,7 @@ class Widget:
         return value
 
     def property(self, name: str) -> Any:
-        """A property from the `.ui` file that is no attribute of the widget."""
+        """Property from the `.ui` file that is no attribute of the widget."""
         return {"SlicerParameterName": self.parameter, "plan": self.plan}.get(name)
 
     def setMRMLScene(self, scene: Any) -> None:

@@ -63,7 +63,7 @@ class Alternatives:
         ]
 
     def duplicatePlan(self, parameterNode):
-        """Another plan with copies of the stents and their handles; returns its parameters."""
+        """Duplicate a plan with its stents and their handles; returns the parameters of the copy."""
         copy = self.addParameterSet(self._freePlanName(parameterNode))
         with slicer.util.NodeModify(copy):
             for name in COPIED:
@@ -152,7 +152,7 @@ class Alternatives:
         return plan.vessel is None and plan.centerline is None and not len(plan.stents)
 
     def showPlan(self, parameterNode):
-        """Show what belongs to a plan, and hide what belongs only to others, of whatever vessel: the mouse takes what it lies on.
+        """Show the nodes of a plan, and hide those of other plans only, of whatever vessel: the mouse takes the node it lies on.
 
         Only what was hidden in this way is shown again: who hides a result himself finds it hidden.
         """
@@ -179,7 +179,7 @@ class Alternatives:
         return untilDone(self.comparisonSteps(parameterNode, folder))
 
     def comparisonSteps(self, parameterNode, folder):
-        """The comparison in portions: an iterator over the fraction that is done, which returns the path."""
+        """Comparison in portions: an iterator over the fraction done, which returns the path."""
         plans = {}
         for one in self.alternatives(parameterNode):
             name = one.parameterNode.GetName()
@@ -199,7 +199,7 @@ class Alternatives:
         return {one.parameterNode.GetName() for one in beside}
 
     def _freePlanName(self, parameterNode, wanted=""):
-        """The name that is wanted, or the plan's, with a number behind it while another plan has it."""
+        """Wanted name, or the plan's, with a number behind it while another plan has it."""
         names = self._namesBeside(parameterNode)
         if wanted and wanted not in names:
             return wanted

@@ -56,7 +56,7 @@ class Binder:
                 bound.widget.connect(bound.signal, lambda _value, path=path: self._onChanged(path))
 
     def show(self, parameterNode):
-        """Show the plan of a parameter node, or with None of none: what is changed then is set nowhere."""
+        """Show the plan of a parameter node; with None, show none and set nothing."""
         self._parameterNode = parameterNode
         if parameterNode is None:
             return
@@ -200,7 +200,7 @@ KINDS = {
     "readOnly": OfText,
     "text": OfLabel,
 }
-"""By what only such widgets have, of those that are still left."""
+"""Kinds by a property that no other widget has, except those further up."""
 
 
 def boundTo(widget, path):

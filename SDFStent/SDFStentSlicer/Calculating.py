@@ -38,7 +38,7 @@ class Here:
 
 
 class Elsewhere:
-    """The same in a `TreatmentProcess`, the survey in a second one meanwhile, where there is one; what ends is done here."""
+    """Treatment as of `Here` in a `TreatmentProcess`, its survey in a second one meanwhile, if any; this takes over from a process that ends."""
 
     def __init__(self, process, second, vessel, treatment):
         self._process, self._second = process, second
@@ -96,7 +96,7 @@ class Elsewhere:
             self._second = None
 
     def _beginLesions(self, found):
-        """Let the second process measure what is left of lesions; whether it does."""
+        """Ask the second process for the lesions after treatment; returns whether it could."""
         try:
             if self._second is not None:
                 self._alsoAsked.check()
@@ -106,7 +106,7 @@ class Elsewhere:
         return self._second is not None
 
     def _withLesions(self, case, found):
-        """The case with what is left of lesions; yields portions until that is known."""
+        """Case with the lesions after treatment; yields portions until these are known."""
         try:
             left = yield from self._alsoAsked.answer()
         except ProcessEnded:
@@ -157,7 +157,7 @@ def _found(search):
 
 
 class _Processes:
-    """The processes of this application: one deploys, the other one previews; started anew where they have ended."""
+    """Processes of this application: one deploys, the other one previews; new ones replace those that have ended."""
 
     def __init__(self):
         self._isWanted, self._kept = True, [None, None]
@@ -169,7 +169,7 @@ class _Processes:
 
     @property
     def previewing(self):
-        """The process for what is to be known sooner."""
+        """Process for results that are needed sooner; None where it cannot be had."""
         return self._ready(1)
 
     def _ready(self, number):
@@ -179,7 +179,7 @@ class _Processes:
         return self._kept[number]
 
     def use(self, isWanted):
-        """Whether there are to be processes from now on; those that run are ended."""
+        """End all processes, and start new ones on demand, or with False none."""
         for process in self._kept:
             if process is not None:
                 process.end()

@@ -38,7 +38,7 @@ def turn(camera, axes):
 
 
 def look(camera, middle, axes, size):
-    """The same at another place (3,), of whose surroundings `size` mm fill the height of the view."""
+    """Look as `turn` does at another place (3,), of whose surroundings `size` mm fill the height of the view."""
     distance = size / 2 / math.tan(math.radians(camera.GetViewAngle()) / 2)
     with slicer.util.NodeModify(camera):
         camera.SetFocalPoint(*middle)
@@ -49,7 +49,7 @@ def look(camera, middle, axes, size):
 
 
 class FilmNode:
-    """Shows one of the library's films at a time, in front of all that the camera sees: nothing else is to be taken for a part of it."""
+    """One of the library's films at a time, shown in front of all that the camera sees: nothing else is to be taken for a part of it."""
 
     def __init__(self):
         self._node = self._film = None
@@ -58,7 +58,7 @@ class FilmNode:
 
     @property
     def isShown(self):
-        """Whether there is a film to be seen."""
+        """Whether a film is shown."""
         return self._film is not None
 
     def show(self, film, camera):
@@ -75,7 +75,7 @@ class FilmNode:
         self._node.GetDisplayNode().SetVisibility(True)
 
     def follow(self, camera):
-        """Keep it as large as what it shows: the nearer to the camera it is, the smaller."""
+        """Keep its size in the view: the nearer to the camera it is, the smaller."""
         if self._film is None:
             return
         film, position = self._film, np.array(camera.GetPosition())
@@ -93,13 +93,13 @@ class FilmNode:
         _letSee(camera, np.linalg.norm(position - film.middle))
 
     def hide(self):
-        """Show none."""
+        """Hide the film."""
         self._film = None
         if self._node is not None and self._node.GetScene() is not None:
             self._node.GetDisplayNode().SetVisibility(False)
 
     def remove(self):
-        """Leave nothing of it in the scene."""
+        """Remove its nodes from the scene."""
         self.hide()
         Marks.removeMark(self._node)
         self._node = None
@@ -114,7 +114,7 @@ def _letSee(camera, distance):
 
 
 def _inViewOf(camera, display):
-    """Show only in the view of a camera: another one looks from elsewhere."""
+    """Show a node only in the view of its camera: another one looks from elsewhere."""
     views = slicer.util.getNodesByClass("vtkMRMLViewNode")
     own = [one.GetID() for one in views if one.GetLayoutName() == camera.GetLayoutName()]
     if own != [display.GetNthViewNodeID(n) for n in range(display.GetNumberOfViewNodeIDs())]:

@@ -19,7 +19,7 @@ class Carrying:
         self._known = {}
 
     def follow(self, parameterNode, plans):
-        """Bring what belongs to a node of a plan to where that is now, for all `plans`; what is left behind is in `status` afterward.
+        """Move the handles and places of all `plans` along with the node that they belong to; `status` then tells what stayed behind.
 
         Returns whether it was elsewhere before.
         """

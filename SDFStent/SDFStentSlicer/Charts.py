@@ -66,7 +66,7 @@ def _fillTexts(node, columns):
 
 
 def showChart(parameterNode, x, series, top):
-    """The plot chart over the table's column `x` from 0 to `top`: `series` maps a column to its color, the last is dashed."""
+    """Show the plot chart over the table's column `x` from 0 to `top`: `series` maps a column to its color, the last is dashed."""
     chart, isNew = parameterNode.outputChart, parameterNode.outputChart is None
     if isNew:
         chart = _newChart(
@@ -83,7 +83,7 @@ def showChart(parameterNode, x, series, top):
 
 
 def createChart(title, position, series):
-    """A plot chart that nobody saves, and before it in the list all that it is made of.
+    """Plot chart that is not saved, and before it in the list its parts.
 
     `position` is (label, values), `series` maps a label to (values, color); the last of them is dashed.
     """

@@ -40,7 +40,7 @@ _kinds, _lists = [QtTimer], []
 
 
 def timer(call, milliseconds, isRepeated=False):
-    """A timer as `QtTimer`, of the event loop that there is; it waits for its `start`."""
+    """Timer as `QtTimer`, of the event loop in use; it waits for its `start`."""
     made = _kinds[-1](call, milliseconds, isRepeated)
     for timers in _lists:
         timers.append(made)
@@ -79,5 +79,5 @@ def longest():
 
 
 def use(kind):
-    """From now on make timers of another class, for an application without Qt; it is made, called and asked as `QtTimer`."""
+    """Make timers of another class from now on, for an application without Qt; it is made, called and asked as `QtTimer`."""
     _kinds[:] = [kind]

@@ -71,7 +71,7 @@ def stentMesh(node):
 
 
 def segmentOf(parameterNode):
-    """The segment that is the vessel; "" while the vessel is not a segmentation, whatever was chosen before."""
+    """Id of the segment that is the vessel; "" while the vessel is not a segmentation, whatever was chosen before."""
     vessel = parameterNode.vessel
     isSegmentation = vessel is not None and vessel.IsA("vtkMRMLSegmentationNode")
     return parameterNode.segmentID if isSegmentation else ""
@@ -201,7 +201,7 @@ def bringToMillimeters(node, units):
 
 
 def takeAsInFile(node):
-    """Let a model count as what is in its file, though it was not read from there by Slicer as it is."""
+    """Mark a model as in its file, though Slicer's reader did not read it."""
     storage = node.GetStorageNode()
     path = storage.GetFileName()
     with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:

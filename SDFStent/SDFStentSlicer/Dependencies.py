@@ -29,7 +29,7 @@ def standing(parameterNode):
 
 
 def inputNodes(parameterNode):
-    """Every node that the result depends on."""
+    """Nodes that the result depends on."""
     handles = [stent.handle for stent in stentsOf(parameterNode)]
     nodes = [parameterNode.vessel, parameterNode.centerline, *handles]
     return [node for i, node in enumerate(nodes) if node is not None and node not in nodes[:i]]
@@ -57,7 +57,7 @@ def _missing(parameterNode, stents):
 
 
 def _missingAgain(stents):
-    """The first stent of those that are switched on that has none above it to dilate again, as a sentence."""
+    """Sentence on the first stent switched on that has none above it to dilate again."""
     again = numbers_again([one.draft for one in stents], [one.handle for one in stents])
     for stent, number in zip(stents, again, strict=True):
         if stent.placement == Placement.AGAIN and number is None:
@@ -100,7 +100,7 @@ def missingOf(stent):
 
 
 def leave(parameterNode, node):
-    """Let go of a node that is about to be deleted, before a selector takes its neighbor in the list for the user's choice."""
+    """Release a node before it is deleted, lest a selector take its neighbor in the list for the user's choice."""
     with slicer.util.NodeModify(parameterNode):
         for role in ("vessel", "centerline", "outputVessel", "deviceMesh"):
             if getattr(parameterNode, role) is node:
@@ -120,7 +120,7 @@ def chooseSegment(parameterNode):
 
 
 def places(parameterNode):
-    """Index in the list and handle's ID of every stent that is switched on: how to find it again when the list has changed.
+    """Index in the list and handle's ID of every stent switched on, by which it is found again when the list has changed.
 
     Twice in a row for one that is dilated again.
     """

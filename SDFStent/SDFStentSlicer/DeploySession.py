@@ -15,13 +15,13 @@ REST_MS = 20
 """A hand that has rested so long, a frame, may have stopped: the full method begins. Nothing is seen of it yet."""
 
 LATE = 1.5
-"""A rest that took so many times longer than it should had a frame in it."""
+"""Ratio of a rest to its time beyond which a frame was drawn in it."""
 
 SETTLE_MS = 100
 """A hand that rests so long from then on has stopped, for now: the panel says that it deploys."""
 
 MOST_LEFT = 1
-"""Calculations that nobody waits for any more and that still run; while there are more no full method begins by itself."""
+"""Largest number of abandoned calculations that still run with which a full method begins by itself."""
 
 
 class DeploySession:

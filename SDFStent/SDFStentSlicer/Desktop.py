@@ -10,7 +10,7 @@ class QtDesktop:
         self._qt = qt
 
     def openFile(self, parent, title, kinds):
-        """The path of a file that is there. `kinds` is Qt's filter, such as "Plan (*.json)"."""
+        """Path of an existing file by the user's choice. `kinds` is Qt's filter, such as "Plan (*.json)"."""
         return self._qt.QFileDialog.getOpenFileName(parent, title, "", kinds)
 
     def openFiles(self, parent, title, kinds):
@@ -22,7 +22,7 @@ class QtDesktop:
         return self._qt.QFileDialog.getSaveFileName(parent, title, name, kinds)
 
     def folder(self, parent, title):
-        """The path of a folder that is there."""
+        """Path of an existing folder by the user's choice."""
         return self._qt.QFileDialog.getExistingDirectory(parent, title)
 
     def show(self, path):
@@ -88,12 +88,12 @@ _kinds, _made = [QtDesktop], []
 
 
 def desktop():
-    """The desktop that there is."""
+    """Desktop in use."""
     if not _made:
         _made.append(_kinds[-1]())
     return _made[-1]
 
 
 def use(kind):
-    """From now on have a desktop of another class, for an application without Qt; it is made without arguments and asked as `QtDesktop`."""
+    """Use a desktop of another class from now on, for an application without Qt; it is made without arguments and asked as `QtDesktop`."""
     _kinds[:], _made[:] = [kind], []

@@ -1,4 +1,4 @@
-"""The section Device of the panel: the device of the selected stent, and what is known of it. All else in it is bound to the plan."""
+"""Section Device of the panel: the device of the selected stent, and its known sizes. All else in it is bound to the plan."""
 
 from slicer.i18n import tr as _
 
@@ -27,7 +27,7 @@ class DeviceSection:
         ui.removeTableButton.connect("clicked()", self._onRemoveTable)
 
     def show(self, parameterNode):
-        """The stent that is selected now."""
+        """Show the selected stent of a parameter node."""
         self._parameterNode = parameterNode
         stent = stentOf(parameterNode)
         if not self.ui.deviceCollapsibleButton.collapsed:

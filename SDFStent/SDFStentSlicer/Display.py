@@ -34,11 +34,11 @@ STRUT_WIDTH = 3
 """Pixels."""
 
 VIEW_LENGTHS, SMALLEST_VIEW = 3.0, 30.0
-"""So many times the length of a lesion or a stent are seen when it is gone to, and so many mm at least."""
+"""View of a lesion or a stent, in its lengths, and the least one, mm."""
 
 
 def outputModel(parameterNode, role, name, color):
-    """The model node of a role: the one in use where it was made for this, or a new one."""
+    """Model node of a role: the one in use if it was made for this, or a new one."""
     node = getattr(parameterNode, role)
     if not Outputs.isUsable(parameterNode, role, node):
         node = addOutput(parameterNode, "vtkMRMLModelNode", name)
@@ -52,7 +52,7 @@ def outputModel(parameterNode, role, name, color):
 
 
 def addOutput(parameterNode, className, name):
-    """A new node in the folder of the parameter set's results, called by its plan where another one is called so."""
+    """Add a node to the folder of the parameter set's results, with the plan in its name where another one has that name."""
     scene = parameterNode.parameterNode.GetScene()
     if scene.GetFirstNodeByName(name) is not None:
         plan = parameterNode.parameterNode.GetName()
@@ -166,7 +166,7 @@ def _hideEdges(node):
 
 
 def addMesh(parameterNode, path, surface):
-    """A new model node of a surface that was read from a file, hidden: it lies where no vessel is."""
+    """Add a model node of a surface that was read from a file, hidden: it lies where no vessel is."""
     scene = parameterNode.parameterNode.GetScene()
     name = scene.GenerateUniqueName(Path(path).stem)
     node = scene.AddNewNodeByClass("vtkMRMLModelNode", name)

@@ -22,7 +22,7 @@ class ExportSection:
         ui.write0DButton.connect("clicked()", self._onWrite0D)
 
     def show(self, parameterNode):
-        """The parameter node that is shown now."""
+        """Show a parameter node."""
         self._parameterNode = parameterNode
         isDeployed = self._logic.isDeployed(parameterNode)
         self.ui.saveDeviceButton.enabled = self.ui.write0DButton.enabled = isDeployed
@@ -62,7 +62,7 @@ class SegmentSection:
         )
 
     def show(self, parameterNode):
-        """The parameter node that is shown now."""
+        """Show a parameter node."""
         self._parameterNode = parameterNode
         isReady = None not in (parameterNode.vessel, parameterNode.centerline)
         self.ui.writeSegmentButton.enabled = isReady or self.writing.isRunning

@@ -22,7 +22,7 @@ from .Portions import inPortions, untilDone, working
 
 
 def newFolder(parent, name):
-    """Make a folder in another one that did not exist before; nothing is overwritten."""
+    """Make a new folder in another one; nothing is overwritten."""
     folder = Path(parent) / name
     try:
         folder = freePath(folder)
@@ -94,7 +94,7 @@ class Exporting:
         return parameterNode.deviceMesh
 
     def isDeployed(self, parameterNode):
-        """Whether there is a deployment whose result was measured."""
+        """Whether a deployment's result was measured."""
         run = self.lastRun(parameterNode)
         return run is not None and run.result is not None
 
@@ -125,7 +125,7 @@ class Segments:
         return untilDone(self.segmentSteps(parameterNode, folder))
 
     def segmentSteps(self, parameterNode, folder):
-        """Do the same in portions: an iterator over the fraction that is done, which returns the folder."""
+        """Write a segment in portions: an iterator over the fraction done, which returns the folder."""
         if None in (parameterNode.vessel, parameterNode.centerline):
             raise InputError(
                 _("Segment: expected a vessel and its centerline, choose both in Vessel.")

@@ -28,7 +28,7 @@ class Fitting:
 
     @staticmethod
     def devices(parameterNode):
-        """The rows of the device table, the generic ones first, with those of the user's own table if there is one."""
+        """Rows of the device table, the generic ones first, and of the user's own table, if any."""
         return device_table(parameterNode.deviceTable or None)
 
     def setDeviceTable(self, parameterNode, path):

@@ -17,18 +17,18 @@ SOLVER = "svzerod>=3.2"
 
 
 def flowsIn(parameterNode):
-    """The flow that comes in at each inlet, by its name, L/min."""
+    """Flows into the vessel at its inlets, by their names, L/min."""
     found = inflows(parameterNode.get("flow"))
     return {name: flow / ML_PER_S for name, flow in found.items()}
 
 
 def inletOf(parameterNode, names):
-    """The inlet that is called one of these names, as it was called first; None where there is none."""
+    """Inlet by one of these names, as it was called first; None for none."""
     return inlet_named(parameterNode.get("flow"), names)
 
 
 def setInlet(parameterNode, names, flow):
-    """Let so much blood come in, L/min, at the end that is called one of these names; at None it is no inlet.
+    """Set the flow, L/min, into the end of one of these names; with None that is no inlet.
 
     Raises `InputError` where that contradicts what else is set.
     """
@@ -37,7 +37,7 @@ def setInlet(parameterNode, names, flow):
 
 
 def lacksSolver(parameterNode):
-    """Whether there is a wave, and the solver that it needs could be installed here."""
+    """Whether a wave is given whose solver is missing here and can be installed."""
     return hasattr(slicer.util, "pip_install") and lacks_solver(parameterNode.get("flow"))
 
 
@@ -60,7 +60,7 @@ def toldFlow(parameterNode):
 
 
 def plannedFlow(parameterNode):
-    """The flow for a plan in RAS, which tells where the right branch is, for a file may not tell: as soon as that is known.
+    """Flow data for a plan in RAS, with the place of the right branch once it is known, since a file may lack it.
 
     Raises `InputError` for what contradicts itself.
     """
@@ -71,7 +71,7 @@ def plannedFlow(parameterNode):
 
 
 def refusal(parameterNode):
-    """Why no plan can have this flow, as a sentence; "" when it can."""
+    """Sentence on why no plan can have this flow; "" when it can."""
     mean, peak = parameterNode.flowMean, parameterNode.flowPeak
     if 0 < peak < mean:
         return _(

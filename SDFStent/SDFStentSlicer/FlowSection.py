@@ -1,4 +1,4 @@
-"""The section Flow of the panel: where blood comes in, and how much. All else in it is bound to parameters."""
+"""Section Flow of the panel: inlets, and the flow at each. All else in it is bound to parameters."""
 
 from slicer.i18n import tr as _
 
@@ -6,7 +6,7 @@ from . import Flow
 
 
 class FlowSection:
-    """Shows one end of the vessel at a time, whether it is an inlet and what comes in there, and sets what the user changes.
+    """Shows one end of the vessel at a time, whether it is an inlet and its flow, and sets what the user changes.
 
     `attempt(action)` does what is asked for and says why when it cannot be done.
     """
@@ -22,7 +22,7 @@ class FlowSection:
         ui.installSolverButton.connect("clicked()", lambda: attempt(self._onInstall))
 
     def show(self, parameterNode):
-        """The parameter node that is shown now; nothing while the section is closed."""
+        """Show the flow of a parameter node; do nothing while the section is closed."""
         if parameterNode is not self._parameterNode:
             self._parameterNode, self._at = parameterNode, 0
         self._enable(parameterNode)

@@ -16,9 +16,9 @@ COLOR = (0.1, 0.55, 0.95)
 USUAL_LENGTH = 20.0
 """The length of a new stent, mm."""
 PALE = 0.3
-"""Opacity of the handle of a stent that is switched off."""
+"""Opacity of a handle whose stent is switched off."""
 ON_ANOTHER = 1.0
-"""Nearer than that, mm, a point of a handle is seen on that of another one."""
+"""Distance, mm, below which a point of a handle is seen on that of another one."""
 
 
 def freeName(scene, name):
@@ -87,7 +87,7 @@ def placeAt(node, points):
 
 
 def copyHandle(node, label):
-    """A handle of ours with the placed points of another one; a curve runs as the other one does."""
+    """Handle of ours with the placed points of another one; a curve runs as the other one does."""
     points = [] if node is None else Conversion.placedPoints(node)
     if node is None or not node.IsA(CURVE):
         return createHandle(slicer.mrmlScene, label, points)
@@ -131,7 +131,7 @@ def removeHandle(node):
 
 
 def removeWhole(node):
-    """Remove a node with those that show and store it."""
+    """Remove a node with its display and storage nodes."""
     scene, helpers = node.GetScene(), []
     if node.IsA("vtkMRMLStorableNode"):
         helpers.append(node.GetStorageNode())
@@ -179,7 +179,7 @@ def fitHandle(node, placement, centerline, length):
 
 
 def along(centerline, point, distance):
-    """The place (3,) so many mm along the centerline from a point, down where positive; none beyond its end."""
+    """Place (3,) at a distance, mm, along the centerline from a point, down where positive; none beyond its end."""
     place = centerline.project(point)
     if distance > 0:
         return centerline.path_from_proximal(place, distance).points[-1]

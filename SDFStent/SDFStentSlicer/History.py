@@ -22,7 +22,7 @@ class History:
         self.note()  # what is done at once is taken back, too
 
     def note(self):
-        """Keep the plan as it is now; returns whether that could be. One whose stents are not all placed is kept once they are."""
+        """Keep the plan as it is now; returns whether it could be. A plan whose stents are not all placed is kept once they are."""
         try:
             step = self._stepNow()
         except InputError:
@@ -44,7 +44,7 @@ class History:
         return self._steps[self._at][1] if self._steps else ""
 
     def mayGo(self, steps):
-        """Whether there is a plan so many steps before this one, or behind it."""
+        """Whether a plan so many steps before this one, or behind it, is kept."""
         return 0 <= self._at + steps < len(self._steps)
 
     def go(self, steps):
@@ -73,7 +73,7 @@ class HistoryButtons:
         ui.redoButton.connect("clicked()", lambda: self._go(1))
 
     def show(self, parameterNode):
-        """The parameter node that is shown now, whose plan may have changed."""
+        """Show a parameter node, whose plan may have changed."""
         key = self._keyOf(parameterNode)
         history = self._histories.get(key)
         if history is None or history.parameterNode is not parameterNode:

@@ -27,7 +27,7 @@ from .Portions import inPortions, untilDone
 from .Previewing import PreviewedVessel
 
 SPACING = 1.0
-"""Between places at which a lumen is measured, mm."""
+"""Spacing of the places at which a lumen is measured, mm."""
 
 
 AS_WIDE_AS = 0.75
@@ -60,7 +60,7 @@ class Inputs:
         return untilDone(self.vesselInPortions(parameterNode))
 
     def vesselInPortions(self, parameterNode):
-        """The same in portions of some 15 ms at 550,000 triangles: a generator that yields None and returns the `VesselInput`."""
+        """`VesselInput` in portions of some 15 ms at 550,000 triangles: a generator that yields None and returns it."""
         node, segmentID = parameterNode.vessel, Conversion.segmentOf(parameterNode)
         stamp = (Conversion.changeStamp(node), segmentID)
         if node is None or stamp != self._vessel[0]:
@@ -89,7 +89,7 @@ class Inputs:
         return centerline if stamp == _stampOf(parameterNode) else None
 
     def centerlineInPortions(self, parameterNode):
-        """The same in portions: a generator that yields None and returns the centerline.
+        """Centerline in portions: a generator that yields None and returns it.
 
         Raises `InputError` where it is not of the vessel: no number in there would be one of the patient.
         """
@@ -136,7 +136,7 @@ class Inputs:
         return untilDone(self.patientInPortions(parameterNode))
 
     def patientInPortions(self, parameterNode):
-        """The same in portions: a generator that yields None and returns the `Vessel`, the same object until one of these changes."""
+        """`Vessel` of the library in portions: a generator that yields None and returns it, the same object until one of these changes."""
         stamp = _stampOf(parameterNode)
         if stamp != self._patient[0]:
             vessel = yield from self.vesselInPortions(parameterNode)

@@ -35,7 +35,7 @@ class Removing:
         return Leavings(scene, _ownNodes(parameterNode), _folderOf(parameterNode), *vessel)
 
     def removeLeavings(self, leavings):
-        """Remove what a plan has left that no other one uses; the vessel is seen again where it has no plan any more."""
+        """Remove nodes of a plan that no other one uses; the vessel is seen again where it has no plan any more."""
         plans = [self.parameterSet(node) for node in self.getAllParameterNodes()]
         kept = [used for plan in plans for used in (*_ownNodes(plan), plan.vessel, plan.centerline)]
         for one in leavings.nodes:
@@ -49,7 +49,7 @@ class Removing:
             Showing.setShown(leavings.vessel, True, leavings.segment)
 
     def removeResults(self, parameterNode):
-        """Remove what a plan without stents has left of its last deployment: the vessel is seen as it is again."""
+        """Remove the results of a plan without stents: the vessel is seen as it is again."""
         leavings = self.leavings(parameterNode)
         self.forgetRun(parameterNode)
         with slicer.util.NodeModify(parameterNode):

@@ -1,4 +1,4 @@
-"""The lesions of the vessel in the views: numbers beside them, a line along one, and a plot of it."""
+"""Marks of lesions in the views: numbers beside them, a line along one, and a plot of it."""
 
 import numpy as np
 from slicer.i18n import tr as _
@@ -20,7 +20,7 @@ GROUND = (1.0, 0.97, 0.92)
 
 
 class LesionMarks:
-    """Markups to look at only, which nobody can move, and a plot along one of them, its `Around` `plotted`."""
+    """Marks of lesions that nobody can move, and a plot along one of them, its `Around` `plotted`."""
 
     def __init__(self):
         self._lesions, self._numbers, self._extent, self._chart = (), None, None, []
@@ -42,7 +42,7 @@ class LesionMarks:
         self.followLayout()
 
     def followLayout(self):
-        """Let the numbers stay apart as they are seen in the first view that there is now."""
+        """Keep the numbers apart in the first 3D view."""
         self._view.watch(bool(self._lesions))
 
     def _placeAnew(self):
@@ -56,7 +56,7 @@ class LesionMarks:
                     self._numbers.SetNthControlPointPositionWorld(number, *place)
 
     def hideLine(self):
-        """Take away the line along the one that is marked strongly."""
+        """Remove the line along the strongly marked lesion."""
         removeMark(self._extent)
         self._extent = None
 

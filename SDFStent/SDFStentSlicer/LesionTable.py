@@ -64,7 +64,7 @@ class LesionTable:
 
     @property
     def plotted(self):
-        """The `Around` of that plot, None without."""
+        """`Around` of the plotted lesion; None without one."""
         return self._marks.plotted
 
     def follow(self, parameterNode):
@@ -86,7 +86,7 @@ class LesionTable:
         self._marks.hideLine()
 
     def followLayout(self):
-        """Let the numbers stay apart in the views that there are now."""
+        """Keep the numbers apart in the present views."""
         self._marks.followLayout()
 
     def clearSelection(self):
@@ -179,13 +179,13 @@ class LesionTable:
             self._onSelect(self.selected)
 
     def _plot(self, row):
-        """Plot the lesion as long as there is no result to be plotted."""
+        """Plot the lesion while no result can be plotted."""
         if self._parameterNode.outputChart is None:
             self._plotting.cancel()
             self._plotting.start(self._plotted(self._search, row))
 
     def _plotted(self, search, row):
-        """Plot a lesion once the vessel on both sides of it is measured, unless there is a result then; yields until then."""
+        """Plot a lesion once the vessel on both sides of it is measured, unless a result exists then; yields until then."""
         around = yield from working(search.around(search.found[row]))
         if self._parameterNode.outputChart is None:  # there may be a result by now
             self._marks.plot(row, around)

@@ -25,7 +25,7 @@ class Around(NamedTuple):
 
 
 DIAMETERS, SPACING = 2.0, 0.5
-"""The length of healthy vessel that is shown on both sides of a lesion, in its diameters; between places there, mm."""
+"""Length of healthy vessel shown on both sides of a lesion, in its diameters; spacing of places there, mm."""
 
 
 def around(vessel, lesion):
@@ -131,7 +131,7 @@ class LesionSearch:
         return self.vessel.placed(stent)
 
     def flow(self, known, result):
-        """The library's `FlowAnswer` for what is `known` of the flow, and a result; once `portions` was run to its end.
+        """`FlowAnswer` of the library for `known` flow data and a result; once `portions` was run to its end.
 
         What is before treatment is kept from one result to the next. Raises as the library's `flow_model` and `flow_answer`.
         """

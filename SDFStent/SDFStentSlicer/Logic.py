@@ -140,7 +140,7 @@ class SDFStentLogic(
         untilDone(self.centerlineInPortions(parameterNode))
 
     def centerlineInPortions(self, parameterNode):
-        """The same in portions: a generator that yields None and returns the centerline that was chosen before."""
+        """Centerline in portions: a generator that yields None and returns the one that was chosen before."""
         return (yield from MadeCenterline.portions(parameterNode, self._inputs))
 
     def lesionSearch(self, parameterNode):
@@ -191,13 +191,13 @@ class SDFStentLogic(
             yield from Deploying.measured(shown)
 
     def isFlowOld(self, parameterNode):
-        """Whether the numbers are told for another flow than is set."""
+        """Whether the pressures and flows shown are those of other flow data than are set."""
         run = self.lastRun(parameterNode)
         isTold = run is not None and run.result is not None and parameterNode.certificateSummary
         return isTold and Flow.toldFlow(parameterNode) != run.shownFlow
 
     def tellFlow(self, parameterNode):
-        """Tell the numbers of the last deployment for the flow that is set; an iterator as `steps`."""
+        """Show the pressures and flows of the last deployment by the flow data that are set; an iterator as `steps`."""
         yield from Deploying.flow(self._shownOf(parameterNode))
 
     def landmarks(self, parameterNode):
@@ -262,7 +262,7 @@ class SDFStentLogic(
         return self.hasSteps(parameterNode) and not self.hasChanged(parameterNode)
 
     def hasSteps(self, parameterNode):
-        """Whether there is a deployment to go back and forth over."""
+        """Whether the steps of a deployment are kept."""
         return self._shownOf(parameterNode).hasSteps
 
     def showStep(self, parameterNode, percent):
@@ -298,7 +298,7 @@ class SDFStentLogic(
     showTable = staticmethod(Showing.showTable)
 
     def updateDisplay(self, parameterNode):
-        """Bring what is shown into line with the parameters; makes no nodes."""
+        """Adapt the display to the parameters; makes no nodes."""
         if (
             parameterNode.outputStents is not None
             and parameterNode.outputStents.GetDisplayNode() is not None

@@ -1,11 +1,11 @@
-"""Room for the panel in a low window: what is told below *Deploy* lies beneath Slicer's *Data Probe* there."""
+"""Room for the panel in a low window: its lines below *Deploy* lie beneath Slicer's *Data Probe* there."""
 
 import slicer
 
 from .Desktop import desktop
 
 LOW = 950
-"""Pixels of a main window in which, with *Data Probe* open, the rows of tiles do not all fit: what is not the panel takes 410."""
+"""Height of a main window, pixels, in which, with *Data Probe* open, the rows of tiles do not all fit: all but the panel takes 410."""
 
 
 class LowWindow:
@@ -18,7 +18,7 @@ class LowWindow:
         self._folded, self._unwatch = None, lambda: None
 
     def enter(self):
-        """The module is shown now."""
+        """Make room while the module is shown."""
         window = None if slicer.app.layoutManager() is None else slicer.util.mainWindow()
         if window is not None:
             self._unwatch()
@@ -26,7 +26,7 @@ class LowWindow:
             self._look(window)
 
     def leave(self):
-        """The module is left."""
+        """Undo that when the module is left."""
         self._unwatch()
         self._unwatch = lambda: None
         self._unfold()

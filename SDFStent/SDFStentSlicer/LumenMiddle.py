@@ -8,8 +8,7 @@ ROUNDS = 4
 """The line from the nearest wall through the last middle soon passes through the center of a round lumen."""
 
 LONGER = 1.5
-"""A line through the last middle that is so many times longer than the first one goes along the vessel: the wall nearest to a middle
-close to the vessel's end is the end."""
+"""Ratio of a line through a later middle to the first one beyond which it goes along the vessel: the wall nearest to a middle close to the vessel's end is the end."""
 
 BEYOND = 1e-4
 """A line begins so far behind the wall on which it begins, mm."""
@@ -53,7 +52,7 @@ def _normal(triangle):
 
 
 def _nearest(locator, point):
-    """The point of the wall that is nearest, and its distance."""
+    """Nearest point of the wall, and its distance."""
     closest, cell = [0.0] * 3, vtkGenericCell()
     cellID, subID, square = mutable(0), mutable(0), mutable(0.0)
     locator.FindClosestPoint(point, closest, cell, cellID, subID, square)

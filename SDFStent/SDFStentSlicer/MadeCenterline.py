@@ -1,4 +1,4 @@
-"""A centerline that is made of nothing but the vessel's surface."""
+"""Centerline made of the vessel's surface alone."""
 
 from slicer.i18n import tr as _
 

@@ -1,4 +1,4 @@
-"""Nodes that only show something: nobody chooses or saves them. Markups are seen through what lies before them."""
+"""Marks: nodes to look at, which nobody chooses or saves. Markups are seen through what lies before them."""
 
 import slicer
 
@@ -10,7 +10,7 @@ TUBE_COLOR = (0.15, 0.65, 0.5)
 
 
 def createMark(className, name, points, texts=None):
-    """A markups node with a control point per row of `points`, which is in nobody's way.
+    """Markups node with a control point per row of `points`, which is in nobody's way.
 
     `texts` stand beside the points; then one without a text is not seen.
     """
@@ -42,7 +42,7 @@ def createTube(name):
 
 
 def createOutline(name, polyData):
-    """A model node that is seen in the slice views only; the polydata stays the caller's, and is not changed."""
+    """Model node in the slice views only; the polydata stays the caller's, and is not changed."""
     node = newNode("vtkMRMLModelNode", name)
     node.SetAndObservePolyData(polyData)
     slicer.mrmlScene.AddNode(node)
@@ -60,7 +60,7 @@ def showTube(node, axis, radius):
 
 
 def newNode(className, name):
-    """A markups node that is not in the scene yet."""
+    """Markups node outside of the scene."""
     node = slicer.mrmlScene.CreateNodeByClass(className)
     node.UnRegister(None)
     node.SetName(name)
@@ -70,7 +70,7 @@ def newNode(className, name):
 
 
 def _newDisplay(node):
-    """The display node of a markups node that is not in the scene yet."""
+    """Display node of a markups node outside of the scene."""
     node.CreateDefaultDisplayNodes()
     display = node.GetDisplayNode()
     display.SetSaveWithScene(False)
@@ -78,6 +78,6 @@ def _newDisplay(node):
 
 
 def removeMark(node):
-    """Take the mark away again, if there is one."""
+    """Remove the mark, if any."""
     if node is not None and node.GetScene() is not None:
         removeWhole(node)

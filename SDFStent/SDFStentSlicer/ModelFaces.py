@@ -11,14 +11,14 @@ from SDFStentLib.validation import InputError
 from . import Conversion
 
 WITHOUT_FACES = (".stl", ".ply")
-"""Formats that can tell faces, which Slicer's readers do not take."""
+"""Formats whose faces Slicer's readers drop."""
 
 NAMES = ".mdl"
 """The names of the faces of the SimVascular model beside a surface."""
 
 
 def addFaces(node, polyData):
-    """Add them in place to a copy of a model's cells, where the model is as it is in its file."""
+    """Add face ids in place to a copy of a model's cells, where the model is as in its file."""
     path = _file(node)
     if path is None or not _mayTellMore(path, polyData):
         return

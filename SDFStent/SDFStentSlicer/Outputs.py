@@ -1,4 +1,4 @@
-"""The nodes into which a parameter set may write its results: only those that were made for it."""
+"""Output nodes of a parameter set: only those that were made for it."""
 
 import slicer
 

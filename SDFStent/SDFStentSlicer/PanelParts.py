@@ -33,7 +33,7 @@ class RunButton:
         return self._run.isRunning
 
     def stop(self):
-        """Stop what is under way; nothing of it is left."""
+        """Stop the run; nothing of it is left."""
         self._run.cancel()
         self._button.text = self._text
 
@@ -109,7 +109,7 @@ class PanelSize:
         return max(0, height - self._panel.layout().heightForWidth(self._panel.width))
 
     def fit(self):
-        """Something in the panel may be higher or lower now."""
+        """Fit the panel after a change that may have made it higher or lower."""
         self._timer.start()
 
     def _fit(self):

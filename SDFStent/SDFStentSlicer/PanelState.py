@@ -37,7 +37,7 @@ class Steps:
         self._ui, self._isDone = ui, False
 
     def show(self, parameterNode):
-        """After parameters have changed."""
+        """Follow changes of parameters."""
         vessel, centerline = parameterNode.vessel, parameterNode.centerline
         isDone = Conversion.hasWall(vessel) and Conversion.hasLines(centerline)
         if isDone != self._isDone:
@@ -92,14 +92,14 @@ KINDS = {
 COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72, 0.45)}
 """Colors on `BACKGROUND`, which lets them be read on any view. What a color says stands in one of the lines, too."""
 BACKGROUND = (0.08, 0.10, 0.13)
-"""Nothing is seen through it: letters of the view's axes would be read as some of the lines."""
+"""Opaque background: letters of the view's axes would be read as some of the lines."""
 LARGEST_FONT = 18
 LONGEST_ROW = 52
 """Characters: a view of four on a small screen is as wide. A longer row is cut there, after all letters have shrunk for it."""
 
 
 def _kindOf(lines, isCaution):
-    """Nothing is good beside a warning, whatever the certificate says; and a warning is one while a hand still moves."""
+    """Kind of the lines: a warning prevails over the certificate, also while a hand still moves."""
     isWarned = isCaution or any(line.startswith(WARNING) for line in lines)
     return BAD if isWarned else KINDS.get(lines[-1], PENDING)
 
@@ -175,7 +175,7 @@ class PanelState:
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
-        """After parameters have changed."""
+        """Follow changes of parameters."""
         hasStents = len(stentsOf(parameterNode)) > 0
         self.ui.placeWidget.setCurrentNode(stentOf(parameterNode).handle if hasStents else None)
         self.steps.show(parameterNode)
@@ -184,7 +184,7 @@ class PanelState:
         self._logic.updateDisplay(parameterNode)
 
     def _reach(self, parameterNode):
-        """Sliders reach as far as makes sense, for this vessel or as designed, and farther where the value that is set does."""
+        """Set the ends of sliders, for this vessel or as designed, and beyond where the value is."""
         stent, method = stentOf(parameterNode), methodOf(parameterNode)
         diameter, length = self._logic.sizeLimits(parameterNode)
         _letReach(self.ui.diameterSlider, diameter, stent.diameter)

@@ -94,7 +94,7 @@ SELECTED = "stents.selected."
 
 @parameterNodeWrapper
 class SDFStentParameterNode:
-    """Inputs, the plan, what is shown, and the nodes that hold the results.
+    """Inputs, plan, display switches, and the nodes of the results.
 
     `plan` is the document of stents, method, flow and what is known of the vessel, places in mm in RAS; where stents are is said by their
     handles, which are node references. `tiles` is the result at a glance, as JSON: the library's `Tile` as lists.
@@ -129,7 +129,7 @@ class SDFStentParameterNode:
     outputStents: Optional[vtkMRMLModelNode]
     outputTable: Optional[vtkMRMLTableNode]
     outputTexts: Optional[vtkMRMLTableNode]
-    """The table to be read: a table view has "nan" for a number that is not known."""
+    """Table for reading: a table view has "nan" for an unknown number."""
     outputChart: Optional[vtkMRMLPlotChartNode]
 
     status: str = ""
@@ -171,7 +171,7 @@ class SDFStentParameterNode:
                 self._refer(role, node)
 
     def put(self, path, value):
-        """Set a value of the plan and what follows from it, as the library says of the selected stent; or another parameter."""
+        """Set a value of the plan with its consequences for the selected stent; or another parameter."""
         if hasattr(self, path):
             setattr(self, path, value)
             return
@@ -182,7 +182,7 @@ class SDFStentParameterNode:
         self.change(values)
 
     def shown(self, path):
-        """The value at a path as it is in use, as of a length that a device has; or that of another parameter."""
+        """Value in use at a path, as of a length that a device has; or of another parameter."""
         if hasattr(self, path):
             return getattr(self, path)
         if path.startswith(SELECTED) and path != f"{SELECTED}handle":
@@ -216,7 +216,7 @@ class SDFStentParameterNode:
 
     @property
     def stent(self):
-        """The stent that is selected; where none is, one as by default that keeps nothing."""
+        """Selected stent; where none is, one as by default that keeps nothing."""
         return Named(self, STENT, "stents.selected.")
 
     @property
@@ -237,7 +237,7 @@ for _name, _field in FLOW.items():
     setattr(SDFStentParameterNode, _name, _named(_name, _field))
 
 _documents = weakref.WeakKeyDictionary()
-"""By parameter node, the text of its document, and what that says."""
+"""Text and parsed document of each parameter node."""
 
 
 def documentOf(parameterNode):
@@ -259,7 +259,7 @@ def stentsOf(parameterNode):
 
 
 def stentOf(parameterNode):
-    """The stent that is edited."""
+    """Edited stent of a parameter node."""
     return _once(parameterNode, "stent", lambda: _free(parameterNode.stent))
 
 
@@ -273,7 +273,7 @@ def _free(stent):
 
 
 _known = weakref.WeakKeyDictionary()
-"""By parameter node: its time of modification, and what was read since."""
+"""Time of modification of each parameter node, and the values read since."""
 
 
 def _once(parameterNode, name, read):

@@ -48,7 +48,7 @@ class ParameterSets:
         return wrapper
 
     def addParameterSet(self, name):
-        """Another plan in the same scene, with inputs, stents and outputs of its own; returns its parameters."""
+        """Add a plan to the scene, with inputs, stents and outputs of its own; returns its parameters."""
         node = slicer.mrmlScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
         node.UnRegister(None)
         node.SetName(slicer.mrmlScene.GenerateUniqueName(name))

@@ -25,7 +25,7 @@ class PlaceSection:
         ui.landmarkSpinBox.connect("valueChanged(double)", lambda _value: self._set())
 
     def show(self, parameterNode):
-        """The stent that is selected now."""
+        """Show the place of the selected stent."""
         self._parameterNode = parameterNode
         stent, ui = stentOf(parameterNode), self.ui
         isShown = stent.placement.isOfVessel
@@ -55,7 +55,7 @@ class PlaceSection:
         ui.landmarkComboBox.enabled = ui.landmarkSpinBox.enabled = landmarks is not None
 
     def _atLesion(self, place, landmarks):
-        """Texts to choose from, the index of the one that is chosen, -1 for none, and the number beside it."""
+        """Texts to choose from, the index of the chosen one, -1 for none, and the number beside it."""
         if landmarks.lesions is not self._lesions:
             found = [lesion_facts(number, one) for number, one in enumerate(landmarks.lesions, 1)]
             self._lesions, self._texts = landmarks.lesions, [_textOf(facts) for facts in found]

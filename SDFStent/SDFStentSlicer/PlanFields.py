@@ -105,7 +105,7 @@ METHOD_PARAMETERS = {
     for name, one in method_parameters().items()
     if one.option and (one.names or one.unit)
 }
-"""By field of `MethodParameters`, name and `Parameter` of what the panel shows of the method as the library has it."""
+"""Name and `Parameter` of the library for each field of `MethodParameters` that the panel shows."""
 
 _WIDEST = parameter_at("stents.diameter").most
 _SHORTENING = parameter_at("stents.foreshortening_fraction")
@@ -172,7 +172,7 @@ UNITS = {
     " %": (lambda value: 100 * value, lambda value: value / 100),
     " L/min": (lambda value: value / ML_PER_S, lambda value: value * ML_PER_S),
 }
-"""Units by what stands behind a number in the panel: from the plan to what is shown, and back. All other numbers are as in the plan."""
+"""Conversions by the unit behind a number: from the plan to the panel, and back. All other numbers are as in the plan."""
 
 
 class PlanField(NamedTuple):
@@ -238,7 +238,7 @@ PATHS = {f"stents.selected.{one.path}": name for name, one in STENT.items()} | {
 
 
 def check(name, value):
-    """Refuse a number that is beyond its range."""
+    """Refuse a number beyond its range."""
     limits = RANGES.get(name)
     if None not in (limits, value) and not limits.low <= value <= limits.high:
         raise ValueError(f"{name}: expected {limits.low:g} to {limits.high:g}, got {value!r}")

@@ -72,7 +72,7 @@ class PlanTable:
         return (name, *(values[one] for one in COMPARED), tip)
 
     def _fill(self, row, column, text, tip):
-        """Set a cell in place, so that one that is being edited stays in editing."""
+        """Set a cell in place, so that an edit in it goes on."""
         item = self.ui.planTable.item(row, column)
         if item is None:
             item = desktop().cell(isEditable=column == 0)

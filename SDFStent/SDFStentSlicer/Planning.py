@@ -14,7 +14,7 @@ from .Portions import untilDone
 from .StentList import StentList
 
 BESIDE = 2 * Handles.ON_ANOTHER
-"""Between a stent and its copy, mm: points of both can be told apart."""
+"""Distance of a stent and its copy, mm, at which points of both can be told apart."""
 
 SHORTEST = 1.0
 """The length to which a stent can be drawn together, mm."""
@@ -72,7 +72,7 @@ class Planning:
         return handle
 
     def copyStent(self, parameterNode):
-        """Append a copy of the selected stent with a handle of its own, beside it: it begins where the other one ends."""
+        """Append a copy of the selected stent with a handle of its own, beside it: it begins at the other one's end."""
         stents, stent = StentList(parameterNode), parameterNode.stent
         isAgain = stent.placement == Placement.AGAIN
         stents.copy(
@@ -83,7 +83,7 @@ class Planning:
             self._moveBeside(parameterNode)
 
     def _moveBeside(self, parameterNode):
-        """Move the selected stent to before or behind where it lies, to the side where there is more room for it."""
+        """Move the selected stent along the vessel beside its place, to the side with more room."""
         tree, handle = self._inputs.centerline(parameterNode), parameterNode.stent.handle
         found = self.lying(parameterNode, tree)
         if found is None:
@@ -131,7 +131,7 @@ class Planning:
             self._dragging.follow(handle, self._inputs.knownCenterline(parameterNode))
 
     def findLandmark(self, parameterNode):
-        """Let a stent that shall be at a lesion, or on a branch, be at the one that is nearest to its handle.
+        """Set the place of a stent at a lesion, or on a branch, to the one nearest to its handle.
 
         Raises `InputError` where the vessel has none.
         """
@@ -146,7 +146,7 @@ class Planning:
         StentList(parameterNode).change(placement=placement_document(found))
 
     def freePlace(self, parameterNode):
-        """Let a stent that lies at a lesion, or on a branch, lie by its handle, where that is: a hand moves it now."""
+        """Place a stent at a lesion, or on a branch, by its handle instead, where that is: a hand moves it now."""
         stent = stentOf(parameterNode)
         if len(stentsOf(parameterNode)) and stent.placement.isOfVessel:
             isPlaced = not (Dependencies.missingOf(stent) or stent.draft.refusal)

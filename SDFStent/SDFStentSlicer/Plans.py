@@ -194,7 +194,7 @@ def textOf(parameterNode, hasFiles=True):
 
 
 def restore(text, parameterNode):
-    """Bring back stents and method of such a text, with the handles that there are and new ones for stents that were removed."""
+    """Restore stents and method from such a text, with the handles that exist and new ones for stents that were removed."""
     former = {stent.label: stent for stent in stentsOf(parameterNode)}
     chosen = parameterNode.selected
     with slicer.util.NodeModify(parameterNode):

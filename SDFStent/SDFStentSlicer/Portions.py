@@ -120,7 +120,7 @@ class SteppedRun:
 
 
 _left = []
-"""Threads that nobody waits for any more."""
+"""Abandoned threads."""
 
 
 class RestedRun:
@@ -161,7 +161,7 @@ class RestedRun:
         return self._run.isRunning
 
     def finish(self):
-        """Do at once what is about to be done."""
+        """Do the pending work at once."""
         if self.isBusy:
             self._cancel()
             untilDone(self._portions())
@@ -213,7 +213,7 @@ def inPortions(function):
 
 
 def isPortion(value):
-    """Whether a calculation has yielded this for a portion of it, and not one of its results."""
+    """Whether a value that a calculation yielded is a portion, and not a result."""
     return value is None or value is ELSEWHERE
 
 
@@ -226,8 +226,7 @@ def waiting(answer):
 
 
 def countLeft():
-    """The number of functions that still run though nobody waits for them; waits a while for one, which would not
-    advance otherwise."""
+    """Number of abandoned functions that still run; waits a while for one, which would not advance otherwise."""
     _left[:] = [thread for thread in _left if thread.is_alive()]
     for thread in _left[:1]:
         thread.join(Clock.turn(0.0))
@@ -235,8 +234,7 @@ def countLeft():
 
 
 def working(portions, fraction=float):
-    """Yield the fraction done, which `fraction()` gives, for every portion of a calculation that is done here; returns the
-    result of the calculation."""
+    """Yield the fraction done, which `fraction()` gives, for every portion calculated here; returns the result of the calculation."""
     # Ends: with the calculation.
     while True:
         try:

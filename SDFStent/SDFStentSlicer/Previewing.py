@@ -1,4 +1,4 @@
-"""Stents while they are dragged: the library's preview, off the application's thread, and what is shown of it."""
+"""Previews of stents while they are dragged: the library's preview, off the application's thread, and its display."""
 
 import threading
 import time
@@ -99,7 +99,7 @@ class PreviewedVessel:
         return (yield from self._inTurn(lambda: PreviewRun(surface, case.previewed(), places)))
 
     def prepared(self):
-        """Make what the first preview needs, wherever it will be; yields None until it is done."""
+        """Prepare the first preview, wherever it will be; yields None until it is done."""
         process = Calculating.processes.previewing
         try:
             if process is not None:
@@ -170,7 +170,7 @@ class PreviewRun:
         return points
 
     def numbers(self, lesions):
-        """Measure every stent and what is left of the lesions of the vessel; yields portions until it is done, then returns a list."""
+        """Measure every stent and the lesions after treatment; yields portions until it is done, then returns a list."""
         asked, self._asked = self._asked, None  # it tells them once
         try:
             if asked is not None:
@@ -181,7 +181,7 @@ class PreviewRun:
         return (yield from inPortions(lambda: self.state.numbers(lesions, self.measured)))
 
     def tubes(self):
-        """Every stent as a `DrawnStent`."""
+        """Stents as `DrawnStent`s."""
         return lying({one.number: DrawnStent.whole(one) for one in self.state.stents})
 
     def at(self, percent):

@@ -36,7 +36,7 @@ POSITION = "Position (mm)"
 
 
 def tellMeasuring(parameterNode, run):
-    """Show what is known of the selected stent before anything is measured."""
+    """Show the lines of the selected stent before anything is measured."""
     with slicer.util.NodeModify(parameterNode):
         parameterNode.expansion = 100.0
         clearNumbers(parameterNode, _("Not measured yet."))
@@ -45,7 +45,7 @@ def tellMeasuring(parameterNode, run):
 
 
 def showEnd(parameterNode, run, lines):
-    """After the last step: the stents and the moved centerline, by its `lines`."""
+    """Show the stents and the moved centerline, by its `lines`, after the last step."""
     showStents(parameterNode, run.end()[1], isWhole=True)
     if run.centerline is not None:
         node = Display.outputModel(
@@ -63,7 +63,7 @@ def clearNumbers(parameterNode, text=""):
 
 
 def showStents(parameterNode, stents, isWhole=False):
-    """Every `DrawnStent` in one model, as struts or as a tube; once they are deployed, `isWhole`, as the user's own mesh."""
+    """Show every `DrawnStent` in one model, as struts or as a tube; once they are deployed, `isWhole`, as the user's own mesh."""
     node = Display.outputModel(parameterNode, "outputStents", _("Stents"), Display.STENT_COLOR)
     mesh = _ownMesh(parameterNode) if isWhole else None
     Display.setDrawnAs(node, _wantedAs(parameterNode))
@@ -88,7 +88,7 @@ def _ownMesh(parameterNode):
 
 
 def _wantedAs(parameterNode):
-    """A text that differs whenever the stents are to be drawn as something else."""
+    """Text that differs whenever the stents are to be drawn as something else."""
     return repr((parameterNode.showDevice, Conversion.changeStamp(parameterNode.deviceMesh)))
 
 
@@ -168,7 +168,7 @@ def showAtHand(parameterNode, run):
 
 
 def _flowParagraphs(run):
-    """Pressures and flows, and what has to be known of them; or why there are none."""
+    """Paragraphs on pressures and flows, with notes; or the reason for none."""
     if run.flow is None:
         return [run.flowRemark] if run.flowRemark else []
     section = flow_section(run.flow)
@@ -232,7 +232,7 @@ def _plotTitle(treated, number):
 
 
 def showProfile(parameterNode, run):
-    """Table and plot of the selected stent, or of the first when that one was not deployed."""
+    """Show table and plot of the selected stent, or of the first when that one was not deployed."""
     treated, number = run.result.stents, selectedStent(parameterNode, run)
     run.shownStent = number
     chosen, title = treated[number], _plotTitle(treated, number)

@@ -79,7 +79,7 @@ def addVessel(surface, faces, centerline, name, scene=None):
 
 
 def addModel(scene, name, polyData):
-    """A model that is shown, under a name of its own."""
+    """Add a model, shown under a name of its own."""
     node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(name))
     node.SetAndObservePolyData(polyData)
     node.CreateDefaultDisplayNodes()

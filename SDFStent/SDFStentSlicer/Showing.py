@@ -90,7 +90,7 @@ class QuickDrawing:
 
 
 REPLACED = "SDFStent.Replaced"
-"""Attribute of a node that is hidden because another one was chosen instead."""
+"""Attribute of a node hidden because another one was chosen instead."""
 
 
 def inOneColor(vessel, centerline):
@@ -126,7 +126,7 @@ def _asCenterline(display):
 
 
 def seeThrough(display):
-    """Show the wall of a vessel that lies before what is inside, and not the one behind that: it is clearer, and drawn faster."""
+    """Show the wall of a vessel in front of its inside, and not the one behind: it is clearer, and drawn faster."""
     display.SetOpacity(VESSEL_OPACITY)
     display.SetBackfaceCulling(True)
 
@@ -222,14 +222,14 @@ def _has(node, layout, kind):
 
 
 def activateChart(chart):
-    """Show it in the views for plots, where there are any."""
+    """Show a chart in the views for plots, if any."""
     application = slicer.app.applicationLogic()
     application.GetSelectionNode().SetActivePlotChartID(chart.GetID())
     application.PropagatePlotChartSelection()
 
 
 def activateTable(table):
-    """Show it in the views for tables, where there are any."""
+    """Show a table in the views for tables, if any."""
     application = slicer.app.applicationLogic()
     application.GetSelectionNode().SetActiveTableID(table.GetID())
     application.PropagateTableSelection()

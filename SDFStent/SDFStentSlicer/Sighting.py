@@ -1,4 +1,4 @@
-"""From where a stent is seen: the library's sight of it, and what an X-ray would show there just now."""
+"""Views of a stent: the library's sight of it, and what an X-ray would show there just now."""
 
 from slicer.i18n import tr as _
 
@@ -54,7 +54,7 @@ class Sighting:
         return Sight(stretch, search.vessel, "RAS")
 
     def wallNow(self, parameterNode):
-        """The library's surface as it is shown, and the curves of the struts in it; the sight has to be known."""
+        """Surface as it is shown, of the library, and the curves of the struts in it; the sight has to be known."""
         wall, run = self._sight[1].vessel.surface, self.lastRun(parameterNode)
         if run is None or run.surface is not wall:
             return wall, []

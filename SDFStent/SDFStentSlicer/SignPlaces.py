@@ -9,20 +9,20 @@ from . import Clock, Showing
 TEXT = 4.0
 """Height of a number, percent of a view."""
 FRONT, SIDE = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
-"""The direction in which one looks who looks at a patient, and across that."""
+"""Direction of the look at a patient from the front, and that across."""
 NEARLY = 0.1
 """Part of a line seen from the front below which it goes to the front itself."""
 BESIDE = (1.0, -1.0, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.0, -4.0, 5.0, -5.0)
-"""So many diameters of the healthy vessel beside its axis a number may stand, or heights of a sign where that is more, as from afar."""
+"""Distances of a number beside the axis, in diameters of the healthy vessel, or heights of a sign where that is more, as from afar."""
 ALONG = (0.0, 0.7, -0.7, 1.4, -1.4, 2.2, -2.2, 3.0, -3.0)
-"""And so many along it from the narrowest place; what is nearest comes first."""
+"""Distances likewise along it from the narrowest place; the nearest comes first."""
 APART = 5.0
-"""Between two numbers at least, where there is room, mm."""
+"""Least distance of two numbers, where there is room, mm."""
 SIGN, DIGIT = 1.2, 0.65
 """Height of a sign, and width of one of its characters, of the height of its text, as seen; its blanks are as one digit."""
 
 REST_MS = 300
-"""A view has to rest so long before signs move in it: none does while a hand turns it."""
+"""Rest of a view before signs move in it, ms: none does while a hand turns it."""
 DPI, INSET = 72, 5
 """Dots per inch of the texts of views; pixels by which `vtkCornerAnnotation` keeps them away from the edges."""
 
@@ -35,7 +35,7 @@ class WatchedView:
         self._window = self._tag = self._seen = None
 
     def watch(self, isWanted):
-        """Watch the first view that there is now, if it is wanted, and no other."""
+        """Watch the first present view, if wanted, and no other."""
         self._timer.stop()
         if self._window is not None:
             self._window.RemoveObserver(self._tag)

@@ -47,7 +47,7 @@ class Snapping:
         return "\n".join(dict.fromkeys(found))
 
     def _besideVessel(self, stent):
-        """A sentence for every point that still lies where it was placed beside the vessel."""
+        """Sentences for points that still lie where they were placed beside the vessel."""
         handle = stent.handle
         text = _("{label}: no vessel is seen where point {number} was placed; drag it into one.")
         return [

@@ -83,7 +83,7 @@ class Placing:
             self._widget.placeModeEnabled = False
 
     def _bring(self, index, needed):
-        """Give the place of a point that is too many to the one that it is meant for; returns the index of that."""
+        """Give the place of a surplus point to the one that it is meant for; returns the index of that one."""
         node, placed = self._node, Conversion.placedIndices(self._node)
         if not 0 < needed <= placed.index(index):
             return index

@@ -111,7 +111,7 @@ class Stenting:
         return None if self.case is None else self.case.lesions
 
     def findFlow(self, known):
-        """Pressures and flows for what is known; yields None until they are found. Once `measure` was run to its end.
+        """Find pressures and flows for flow data; yields None until they are found. Once `measure` was run to its end.
 
         `flow` is the library's `FlowAnswer` then, or None, and `flowRemark` says why.
         """
@@ -158,7 +158,7 @@ class Stenting:
 
     @property
     def drawn(self):
-        """A `DrawnStent` for every stent, also for one that is dilated again later."""
+        """`DrawnStent`s of all stents, also of one that is dilated again later."""
         return list(self._axes.values())
 
     def _follow(self):

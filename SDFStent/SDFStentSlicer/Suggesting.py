@@ -29,7 +29,7 @@ class Suggesting:
         return untilDone(self.suggestionInPortions(parameterNode, lesion))
 
     def suggestionInPortions(self, parameterNode, lesion):
-        """The same in portions: a generator that yields None until it is done."""
+        """Suggestion in portions: a generator that yields None until it is done."""
         isThere = self.lesionOf(parameterNode) is lesion and Handles.isOwn(
             parameterNode.stent.handle
         )
@@ -49,7 +49,7 @@ class Suggesting:
         return suggestion
 
     def isProposal(self, parameterNode):
-        """Whether what is said is a proposal, and the stent still as it was proposed."""
+        """Whether the words are a proposal, and the stent still as proposed."""
         return self._proposal == (parameterNode.status, _proposed(parameterNode))
 
     def _numberOf(self, parameterNode, lesion):

@@ -114,12 +114,12 @@ class ShownResult:
         return self._surface
 
     def isPreviewOf(self, signature):
-        """Whether what is shown is the preview of the plan and inputs with a signature."""
+        """Whether the preview of the plan and inputs with a signature is shown."""
         return self.run is not None and not self.run.recorded and self.signature == signature
 
     @property
     def hasSteps(self):
-        """Whether there is a deployment to go back and forth over."""
+        """Whether the steps of a deployment are kept."""
         isRecorded = self.run is not None and bool(self.run.recorded)
         return isRecorded and self.parameterNode.outputVessel is not None
 

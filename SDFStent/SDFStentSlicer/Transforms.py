@@ -10,7 +10,7 @@ from SDFStentLib.validation import InputError
 
 
 def checkTransform(node):
-    """Refuse one that cannot be inverted; `InputError` with a sentence."""
+    """Refuse a transform that cannot be inverted; `InputError` with a sentence."""
     transform = node.GetParentTransformNode()
     if transform is None or not transform.IsTransformToWorldLinear():
         return

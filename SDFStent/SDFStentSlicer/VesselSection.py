@@ -1,4 +1,4 @@
-"""The section Vessel of the panel: which walls, segments and lines there are to choose. What is chosen is bound to parameters."""
+"""Section Vessel of the panel: walls, segments and lines to choose from. The choice is bound to parameters."""
 
 import time
 
@@ -22,7 +22,7 @@ class VesselSection:
         ui.segmentSelector.connect("currentSegmentChanged(QString)", self._onSegment)
 
     def show(self, parameterNode):
-        """The parameter node that is shown now, or None."""
+        """Show a parameter node, or None."""
         self._parameterNode = parameterNode
         self.making.show(parameterNode)
         if parameterNode is not None:
@@ -58,7 +58,7 @@ class VesselSection:
 
     @staticmethod
     def chooseOnly(parameterNode, hasNew=False):
-        """Choose the only wall and the only lines of a scene, where nothing is chosen: there is nothing to ask.
+        """Choose the only wall and the only lines of a scene, where nothing is chosen.
 
         Where there is something new, either for itself; a segmentation of one segment is such a wall.
         """
@@ -112,7 +112,7 @@ class CenterlineButton:
         return self._button.isRunning
 
     def show(self, parameterNode):
-        """The parameter node that is shown now, or None; what is made for another vessel is not made."""
+        """Show a parameter node, or None; drop the centerline that is being made for another vessel."""
         self._parameterNode = parameterNode
         if self.isRunning and self._vessel != _vesselOf(parameterNode):
             self.stop()

@@ -20,11 +20,11 @@ NO_SECOND = _(
 )
 
 SAME = 1e-6
-"""Between two directions that are one, as unit vectors."""
+"""Difference up to which two directions, as unit vectors, are one."""
 
 
 class ViewSection(VTKObservationMixin):
-    """Turns the camera to the view of the plan, and tells and shows what is seen from where it is.
+    """Turns the camera to the view of the plan, and shows and describes the X-ray from its present place.
 
     `attempt(action)` does what is asked for and says why when it cannot be done; `showAngles(text)` shows lines in the 3D view.
     """
@@ -50,11 +50,11 @@ class ViewSection(VTKObservationMixin):
 
     @property
     def isXrayShown(self):
-        """Whether there is a film, of what is shown now."""
+        """Whether a film of the present stents is shown."""
         return self._film.isShown
 
     def show(self, parameterNode):
-        """The parameter node that is shown now, which may have changed; None when none is."""
+        """Show a parameter node, which may have changed; None for none."""
         if parameterNode is None:
             self.leave()
             return
@@ -88,7 +88,7 @@ class ViewSection(VTKObservationMixin):
         return None if wishes is None else wishes.view
 
     def _watch(self):
-        """Watch the camera that there is now."""
+        """Watch the present camera."""
         camera = Camera.first()
         if camera is not self._camera:
             self.removeObservers()
@@ -114,7 +114,7 @@ class ViewSection(VTKObservationMixin):
         self._rest.follow(self, what)
 
     def _what(self):
-        """On what it depends; None while nobody wants to know."""
+        """Key of the film's content; None while nobody wants to see it."""
         node = self._parameterNode
         if node is None or self._camera is None:
             return None

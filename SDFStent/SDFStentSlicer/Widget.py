@@ -147,7 +147,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     # Parameter node
 
     def initializeParameterNode(self):
-        """Show the parameter set that was shown last, or the one that is selected, or the module's first."""
+        """Show the last shown parameter set, or the selected one, or the module's first."""
         isThere = self._lastSet is not None and self._lastSet.GetScene() is slicer.mrmlScene
         node = self._lastSet if isThere else self.logic.markedPlan()
         node = node or self.ui.parameterSetSelector.currentNode()
