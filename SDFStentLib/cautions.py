@@ -286,15 +286,15 @@ class Caution:
     Attributes
     ----------
     kind : str
-        One of `TEMPLATES`, never renamed.
+        Kind, one of `TEMPLATES`, never renamed.
     numbers : mapping
-        By name, the unit at its end (`..._mm`).
+        Numbers by name, the unit at its end (`..._mm`).
     place : (x, y, z), optional
-        Where, mm.
+        Place of the cause, mm.
     stent : int, optional
         Number of the stent in the plan, from 1.
     label : str
-        What it is about, in front of the sentence: a file, a stent, before or after.
+        Subject in front of the sentence: a file, a stent, before or after.
     """
 
     kind: str
@@ -321,11 +321,11 @@ class Caution:
         Parameters
         ----------
         thing : str
-            What was placed: a stent, or a part that is measured.
+            Thing that was placed: a stent, or a part that is measured.
         remedies : mapping, optional
-            How the reader does what is advised, by name, such as options of the command.
+            Ways of the reader to follow the advice, by name, such as options of the command.
         units : {"mm", "cm", "m"}
-            Of the surface's file: a place is told in it, too.
+            Unit of the surface's file: a place is told in it, too.
         """
         x, y, z = self.place or (None, None, None)
         words = {**NO_REMEDIES, **(remedies or {}), "thing": thing, "x": x, "y": y, "z": z}

@@ -60,7 +60,7 @@ class WidestWays:
     Parameters
     ----------
     balls : InnerBalls
-        Of a closed surface.
+        Inner balls of a closed surface.
     inlet : int
         The ball at which ways begin.
     """

@@ -58,7 +58,7 @@ class Certificate(JudgedSurface):
     places : tuple of FaultSpot
         Places at which new faults gather, most triangles first.
     motion, lumen : tuples of MotionCheck and LumenCheck
-        One for every stent. Both are empty where surfaces were compared without one; `lumen` is
+        Checks of every stent. Both are empty where surfaces were compared without one; `lumen` is
         also empty where the settings promise none, without `finish` or `facet_compensation`.
     """
 

@@ -156,7 +156,7 @@ def fitness_after(
     before, after : Surface
     verdict : Verdict
     precision : Precision
-        That of the comparison.
+        Precision of the comparison.
     """
     known, whole = _known_faults(before, precision), after.whole
     at_rest = ~faces_at(verdict.has_moved, whole.triangles)

@@ -36,7 +36,7 @@ class MotionCheck:
     Attributes
     ----------
     distance, bound : float
-        How far that point moved and how far the method can move it, mm.
+        Motion of that point, and its bound by the method, mm.
     point : (x, y, z)
         Place of that point before, mm.
     """

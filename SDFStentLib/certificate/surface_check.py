@@ -22,7 +22,7 @@ class SurfaceCheck(JudgedSurface):
     Attributes
     ----------
     fitness : Fitness
-        Its topology and its faulty faces.
+        Topology and faulty faces of the surface.
     slivers : Slivers
         Other triangles with an angle below 1 degree, which is no fault.
     """

@@ -74,7 +74,7 @@ def exact_contact(first: Floats, second: Floats, same: Flags | None = None) -> F
     first, second : (3, 3, k) arrays
         Corners of the two triangles of every pair, in any order.
     same : (3, 3, k) array, optional
-        Which corner of the first triangle is which of the second; these have the same coordinates.
+        Mask of equal corners of first and second triangles; these have the same coordinates.
         By default all corners with the same coordinates.
     """
     meets = np.zeros(first.shape[2], dtype=bool)

@@ -66,7 +66,7 @@ class SweepAxis:
     Attributes
     ----------
     name : str
-        One of `NAMES`.
+        Name, one of `NAMES`.
     values : tuple
         Values that are taken in turn; empty for a range.
     low, high : float

@@ -25,12 +25,12 @@ def plan_of_case(
     plan : Plan
         Base plan of the patient.
     number : int
-        Of the stent that the parameters are for, from 1.
+        Number of the stent that the parameters are for, from 1.
     parameters : mapping of str to value
-        By the names of `axes.NAMES`.
+        Values by the names of `axes.NAMES`.
     constraints : Constraints
     inputs : InputFiles
-        What was read for the plan.
+        Input files as read for the plan.
 
     Raises
     ------

@@ -51,13 +51,13 @@ class Growth:
     ----------
     task : DeploymentTask
     motion : Motion
-        Of the points that can move, those of the wall first.
+        Motion of the points that can move, those of the wall first.
     numbers : (n,) array
         Their numbers among all points of the wall and, behind these, the companions.
     wall_count : int
-        How many of them are of the wall.
+        Number of those of the wall.
     start : (n, 3) array
-        Where they were, mm.
+        Positions before the motion, mm.
     """
 
     def __init__(

@@ -50,7 +50,7 @@ class Deployment(DeploymentTask):
         Points that are dragged along but never touched, such as the centerline. Those inside the
         expanded stent stay.
     precision : Precision, optional
-        How the result will be stored; the certificate is about the stored numbers.
+        Precision of the stored result; the certificate is about the stored numbers.
 
     Raises
     ------

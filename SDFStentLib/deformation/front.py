@@ -38,7 +38,7 @@ class Front:
     positions : (n, 3) array
         Current places of the points, mm.
     amount, rate : (n,) arrays
-        How far each has moved along its direction, mm, and its rate now.
+        Distance each has moved along its direction, mm, and its rate now.
     contact_radius : (n,) array
         Stent radius at which each came into contact, mm; infinite for those that did not.
     nearest : (n,) array

@@ -23,7 +23,7 @@ class Patch:
     faces : (m,) array
         Numbers of the faces in the whole surface.
     triangles : (m, 3) array
-        The same faces in patch numbers: first the active vertices, then the rim.
+        Corners of these faces in patch numbers: first the active vertices, then the rim.
     vertices : (n,) array
         Numbers of the patch's vertices in the whole surface.
     active_count : int

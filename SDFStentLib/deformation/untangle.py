@@ -207,7 +207,7 @@ def relaxed(surface: Surface, points: Points, comparison: Comparison, first: Ver
     surface : Surface
         The surface before the deployment.
     points : (n, 3) array
-        Its points after the deployment, mm; those of the lumen stay.
+        Points after the deployment, mm; those of the lumen stay.
     comparison, first
         Comparison of the whole surface, and its verdict on these points.
     """

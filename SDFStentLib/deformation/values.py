@@ -81,7 +81,7 @@ class DeploymentResult:
         Stated distance to the converged limit of the radius steps, mm; 0 for published steps,
         which do not estimate theirs. It concerns the transition zone, not the finished lumen.
     motion : MotionCheck
-        How far the wall moved, compared with what the method can move.
+        Motion of the wall compared with its bound by the method.
     """
 
     state: DeploymentState

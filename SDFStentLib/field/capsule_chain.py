@@ -134,7 +134,7 @@ class CapsuleChain:
         Parameters
         ----------
         points : (n, 3) array_like
-            Where to evaluate, mm.
+            Places of evaluation, mm.
         """
         return self.folding.at(as_points(points))
 

@@ -31,7 +31,7 @@ def fold(
     Parameters
     ----------
     distances, weights, room : (m, n) arrays
-        In units of 4 k; the weights are written, and the room is written over.
+        Distances in units of 4 k, the weights, which are written, and room to calculate in.
     before, after : (n,) arrays, optional
         Lower bounds of distances in rows that were left out at either side.
 

@@ -29,7 +29,7 @@ class RadiusShares:
     shares : (k,) array
         Radius there over the largest radius, above 0 and up to 1, linear in between.
     cap_height : float
-        How far the stent goes beyond its ends, over its radius there: 1 is half a sphere.
+        Height of the stent's caps over its radius there: 1 is half a sphere.
     """
 
     fractions: Floats
@@ -79,7 +79,7 @@ class RadiusShares:
         Parameters
         ----------
         axis : Line
-            Through the nodes of the stent.
+            Axis through the nodes of the stent.
         radius : float
             Largest radius of the stent, mm.
         stations : (n, 3) array

@@ -37,7 +37,7 @@ def write_centerline(
         File to write; the suffix sets the format: .vtp, .vtk or .mrk.json.
     line_file : LineFile
     points : array_like, shape (n, 3)
-        All points in the order of `line_file.points`, mm.
+        Points in the order of `line_file.points`, mm.
 
     Returns
     -------
@@ -74,9 +74,9 @@ def write_extracted_lines(
         File to write; the suffix sets the format: .vtp or .vtk.
     lines : ExtractedLines
     units : {"mm", "cm", "m"}
-        Of the file of the surface whose centerlines they are.
+        Unit of the file of the surface whose centerlines they are.
     frame : "RAS", "LPS" or None
-        Of that file.
+        Patient frame of that file.
 
     Raises
     ------

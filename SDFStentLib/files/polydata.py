@@ -45,7 +45,7 @@ def surface_from_polydata(
     polydata : vtkPolyData
         Polydata, not modified; see `triangulated_polydata` for one with other cells.
     name : str
-        What to call it in messages.
+        Name of the surface in messages.
     scale : float
         mm per unit of the polydata.
 

@@ -55,7 +55,7 @@ def check_same_space(
     centerline_points : array_like, shape (k, 3)
         Points of the centerline in any order, mm; about 150 of them are tested.
     surface_name, centerline_name : str
-        What to call them in messages: files or nodes.
+        Names of both in messages: files or nodes.
 
     Returns
     -------

@@ -301,7 +301,7 @@ def write_new_surface(
     faces : NamedFaces
         `ModelFaceID` of its triangles, and the names.
     frame : "RAS", "LPS" or None
-        Of its points.
+        Patient frame of its points.
     voxels : (3,) array
         Their sizes, mm: they say how exact the surface is.
 

@@ -36,9 +36,9 @@ def triangulated_polydata(polydata: vtkPolyData, name: str = "surface") -> Trian
     Parameters
     ----------
     polydata : vtkPolyData
-        Not modified.
+        Polydata; it is not modified.
     name : str
-        What to call it in messages.
+        Name of the polydata in messages.
 
     Raises
     ------

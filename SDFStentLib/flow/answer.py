@@ -96,7 +96,7 @@ class FlowModel:
     channels : sequence of Channel
     known : Known
     clues : SideClues
-        To the main branches; a place in the right one that is known comes first.
+        Clues to the main branches; a place in the right one that is known comes first.
     inlets : Inlets
 
     Raises
@@ -251,7 +251,7 @@ class FlowModel:
             The channels in the treated vessel.
         parts : sequence of Part
         solve : callable, optional
-            What solves the network over a wave; without one its flows are taken as steady ones.
+            Solver of the network over a wave; without one its flows are taken as steady ones.
         """
         known, usual = self.known, self._usual
         solve = None if known.wave is None else solve

@@ -181,7 +181,7 @@ def blocks_of(
     channels, widths : sequences
     stream : Stream
     wider : float
-        By which all diameters are larger, mm.
+        Length by which all diameters are larger, mm.
     """
     size = Widths(*(np.concatenate(axis) for axis in zip(*widths, strict=True))).widened(wider)
     b, a = 0.5e-3 * size.narrow, 0.5e-3 * size.wide

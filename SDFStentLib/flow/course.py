@@ -67,7 +67,7 @@ def rough_flow(
     flow : float
         m^3/s.
     shares : (k,) array
-        That leave through the outlets.
+        Shares of the flow through the outlets.
     """
     tree = tree_between(nodes_of(channels), inlets)
     if not len(tree.chords):

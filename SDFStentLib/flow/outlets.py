@@ -89,7 +89,7 @@ def sides_of(
     channels : sequence of Channel
     tree : Tree
     weights : (k,) array
-        Of the outlets.
+        Weights of the outlets.
     clues : SideClues, optional
     """
     shares = np.zeros(len(channels))

@@ -153,9 +153,9 @@ def losses_of(networks: Sequence[Network], flows: Floats, count: int) -> Floats:
     Parameters
     ----------
     networks : sequence of c Network
-        Of one tree.
+        Networks of one tree.
     flows : (c, n) array
-        Through their blocks, m^3/s.
+        Flows through their blocks, m^3/s.
     count : int
 
     Returns

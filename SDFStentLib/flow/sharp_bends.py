@@ -61,7 +61,7 @@ def bend_loss(turn: Floats, radius: Floats) -> Floats:
     turn : (n,) array
         Radians.
     radius : (n,) array
-        Of the axis, over the diameter.
+        Radius of the axis, over the diameter.
     """
     tight = 0.21 / np.maximum(np.minimum(radius**2.5, radius**0.5), 1e-3)
     rounded = np.interp(turn, _TURNS, _ROUND) * tight * np.interp(radius, _RADII, _SLOW)

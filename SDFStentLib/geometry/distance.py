@@ -204,7 +204,7 @@ class SurfaceIndex:
     corners : (m, 3, 3) array
         Triangle, corner, coordinate, mm.
     centroids, disc_radii : (m, 3) and (m,) arrays
-        Of the discs that hold the triangles, mm.
+        Centers and radii of the discs that hold the triangles, mm.
     """
 
     def __init__(self, points: Points, triangles: Triangles) -> None:

@@ -131,7 +131,7 @@ class Line:
     points : array_like, shape (n, 3)
         mm; copied.
     name : str
-        What to call it in messages.
+        Name of the line in messages.
 
     Raises
     ------

@@ -45,7 +45,7 @@ class Surface:
     triangles : array_like, shape (m, 3)
         Indices of the corners, any winding; copied.
     name : str
-        What to call it in messages.
+        Name of the surface in messages.
     is_left_out : array_like of bool, shape (m,), optional
         Triangles that do not count, such as ghost cells; they are not in `whole` either.
 

@@ -207,7 +207,7 @@ def bulged_caps(before: Surface, after: Surface, moved: NDArray[np.int64]) -> tu
     Parameters
     ----------
     before, after : Surface
-        With the same triangles.
+        Surfaces with the same triangles.
     moved : (k,) array
         Points that moved; only caps at them are looked at.
     """

@@ -101,7 +101,7 @@ def expected_tube(surface: Surface, axis: Line) -> Tube:
     surface : Surface
         mm.
     axis : Line
-        In the lumen; it need not be in the middle.
+        Axis in the lumen; it need not be in the middle.
     """
     near = near_wall(surface, axis.resampled(1.0).points, far_reach(surface, axis.points))
     radius = section_radius(wall_map(near, axis, spacing=2.0, window=2.0).distance)

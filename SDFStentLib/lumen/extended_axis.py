@@ -145,7 +145,7 @@ def extended_axis(
     surface : Surface
         mm.
     stent_axis : Line or array_like, shape (n, 3)
-        From the proximal to the distal end, mm.
+        Axis of the stent from its proximal to its distal end, mm.
     centerline : Centerline, optional
     reach : float
         Wanted length beyond each end, mm.

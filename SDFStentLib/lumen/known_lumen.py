@@ -131,7 +131,7 @@ def measured_after(
     surface : Surface
         The vessel after it.
     wall : (k, 3) array, optional
-        Its triangles that spheres see.
+        Triangles of the wall that spheres see.
     outside : (n,) bool array, optional
         The stations that are known to be outside of it: there is no sphere.
     """

@@ -37,9 +37,9 @@ def pouch_width(
     beyond : Indices
         (k,) its triangles beyond the neck.
     middle : Floats
-        (3,) of the neck, mm.
+        (3,) middle of the neck, mm.
     neck : float
-        Its diameter, mm.
+        Diameter of the neck, mm.
     outward : Floats
         (3,) direction across the neck, away from the vessel that opens.
     tree : Centerline, optional

@@ -70,7 +70,7 @@ def profile_around(
     surface : Surface
         mm.
     stations : AxisStations
-        Along the extended axis of the stent.
+        Stations along the extended axis of the stent.
     measured : Stations
         The results there.
     caps : (m,) array of int

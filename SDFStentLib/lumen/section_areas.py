@@ -108,7 +108,7 @@ def section_areas(
     ----------
     points, triangles : (k, 3) and (m, 3) arrays
     centers, normals : (n, 3) arrays
-        Of the planes, the normals of unit length.
+        Centers of the planes, and their normals of unit length.
 
     Returns
     -------

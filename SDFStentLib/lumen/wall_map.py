@@ -124,9 +124,9 @@ def wall_map(wall: NearWall, axis: Line, *, spacing: float, window: float) -> Wa
     ----------
     wall : NearWall
     axis : Line
-        In the lumen.
+        Axis in the lumen.
     spacing : float
-        Of the stations, mm.
+        Spacing of the stations, mm.
     window : float
         Length of axis over which its direction is taken, mm; smaller wiggles do not turn a plane.
     """

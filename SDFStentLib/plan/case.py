@@ -55,7 +55,7 @@ def vessel_of(
     surface, centerline, faces, lines
         As of `Vessel`.
     marks : Marks
-        In the frame of the surface.
+        Marks of the plan in the frame of the surface.
     """
     vessel = Vessel(surface, centerline, marks.reference, faces, marks.names, lines)
     try:
@@ -96,13 +96,13 @@ class Case:
     vessel : Vessel
     plan : Plan
     frame : {"RAS", "LPS"} or None
-        Of the vessel.
+        Patient frame of the vessel.
     precision : Precision
-        How its surface is stored.
+        Precision of the stored surface.
     companions : array, shape (c, 3)
         Further points that are dragged along, mm.
     rows : sequence of int
-        By which messages count the stents; without, by their places in the plan.
+        Rows by which messages count the stents; by default their places in the plan.
     """
 
     vessel: Vessel

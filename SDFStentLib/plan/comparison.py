@@ -22,7 +22,7 @@ class Alternative:
     Attributes
     ----------
     name : str
-        By which it is told from the others.
+        Name, by which it is told from the others.
     plan : Plan
     result : PlanResult or None
         As `run_plan` gives it; None when the plan could not be carried out.

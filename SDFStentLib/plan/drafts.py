@@ -23,7 +23,7 @@ def numbers_again(drafts: Sequence[Draft], spots: Sequence[Hashable]) -> list[in
     ----------
     drafts : sequence of Draft
     spots : sequence
-        By which each lies where another one does.
+        Keys of their places: equal where another one lies.
     """
     numbers: list[int | None] = []
     latest: dict[Hashable, int] = {}
@@ -62,7 +62,7 @@ def stents_of(
     ----------
     drafts : sequence of Draft
     places : sequence of dict or None
-        Where each lies, as in a plan's document, in mm; None for one that is switched off and lies
+        Place of each, as in a plan's document, in mm; None for one that is switched off and lies
         nowhere yet.
     has_named : bool
         Whether one that is off and cannot be is there by its name; it is refused otherwise.

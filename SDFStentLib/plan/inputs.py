@@ -41,9 +41,9 @@ class InputFiles:
         Wall and centerline, mm, in the frame of the surface.
     warnings : tuple of Caution
     seconds : float
-        That reading took.
+        Time that reading took, s.
     frame : {"RAS", "LPS"} or None
-        Of the surface, as its file says it, or as who gave its marks does; None where nobody knows.
+        Patient frame of the surface, by its file, or by the giver of its marks; None if unknown.
     """
 
     surface: SurfaceFile

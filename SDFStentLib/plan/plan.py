@@ -59,8 +59,8 @@ class Plan(ByValue):
     Attributes
     ----------
     stents : tuple of Stent
-        In the order of deployment: later ones see the vessel as earlier ones left it. Lengths and
-        points in mm, in the frame `frame`.
+        Stents in the order of deployment: later ones see the vessel as earlier ones left it.
+        Lengths and points in mm, in the frame `frame`.
     surface, centerline : InputFile, optional
         Left out where a program has them in memory.
     units : {"mm", "cm", "m"}
@@ -76,14 +76,14 @@ class Plan(ByValue):
         One or two places of healthy vessel that the user marked, mm, in the frame `frame`; the
         lesion beside them is measured against them.
     names : tuple of VesselName
-        What the user calls the vessels; places in mm, in the frame `frame`.
+        Names of vessels by the user; places in mm, in the frame `frame`.
     flow : Known, optional
-        What is known of flow and pressures before treatment, for which those after it are
+        Flow and pressures before treatment, as far as they are known, for which those after it are
         estimated.
     views : ViewWishes, optional
-        What is asked of the views from which stents are told to be seen; without, as usual.
+        Wishes for the views from which stents are told to be seen; without, as usual.
     sdfstent_version : str
-        Of the program that made the plan.
+        Version of the program that made the plan.
     """
 
     stents: tuple[Stent, ...] = ()

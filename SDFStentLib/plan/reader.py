@@ -101,7 +101,7 @@ def plan_from_document(
     document : mapping
         As `json.loads` gives it; fractions may be `Decimal`.
     folder : path, optional
-        What relative paths are relative to; the working folder by default.
+        Folder of relative paths; the working folder by default.
     axis_reader : callable, optional
         Reads axis files; without it a plan that names one is refused.
 

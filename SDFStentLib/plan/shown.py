@@ -66,11 +66,11 @@ def device_vtp(
     ----------
     result : TreatmentResult
     mesh : Surface, optional
-        Of the user's own, mm: along z, its middle at z = 0.
+        Mesh of the user's own, mm: along z, its middle at z = 0.
     unit : float
-        Of the points, mm.
+        Length of the points' unit, mm.
     frame : str, optional
-        What the file says of their frame: RAS or LPS.
+        Patient frame for the file's header: RAS or LPS.
     """
     stents = result.final_stents
     if mesh is None:

@@ -22,7 +22,7 @@ def from_document(kind: type[T], value: Any, where: str, **made: Any) -> T:
     Parameters
     ----------
     kind : type
-        Its fields are numbers, texts, switches, tuples of these, and such dataclasses; any of them
+        Dataclass of numbers, texts, switches, tuples of these, and such dataclasses; any of them
         may be None.
     value, where
         As `json.loads` gives it, fractions may be `Decimal`; its place in the document.

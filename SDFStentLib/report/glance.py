@@ -38,9 +38,9 @@ def preview_facts(numbers: Sequence[PreviewedNumbers], lesions: Sequence[Lesion]
     Parameters
     ----------
     numbers : sequence of PreviewedNumbers
-        Of one stent or more.
+        Numbers of one stent or more.
     lesions : sequence of Lesion
-        All of the vessel, as far as they are known.
+        Lesions of the vessel, as far as they are known.
     """
     lumens = [one.lumen for one in numbers if math.isfinite(one.lumen)]
     covered = [one.lesion for one in numbers if one.lesion is not None]
@@ -187,11 +187,11 @@ def result_tiles(
     stents : sequence of TreatedStent
         At least one.
     lesions : sequence of TreatedLesion or None
-        Of the vessel; None where none were looked for.
+        Lesions of the vessel; None where none were looked for.
     certificate : Certificate or None
-        Of the surface; None where none was asked for.
+        Certificate of the surface; None where none was asked for.
     cautions : sequence of Caution
-        All that there are.
+        Cautions of the whole treatment.
     flow : mapping, optional
         `flow_section` before and after treatment.
     """

@@ -149,7 +149,7 @@ def plan_report(
     ----------
     result : PlanResult
     lost : tuple of Caution
-        What the writers say of arrays that an output format cannot keep.
+        Cautions of the writers on arrays that an output format cannot keep.
     timings : mapping, optional
         More seconds by name, such as that for writing.
     picture : bytes or str, optional
@@ -157,7 +157,7 @@ def plan_report(
     views : PlannedViews, optional
         As of `planned_views`, where these are known already.
     voxels : VoxelRange, optional
-        Of the result, where that was asked for.
+        Ranges of the result within half a voxel, where these were asked for.
 
     Raises
     ------

@@ -43,12 +43,12 @@ def write_segment(
     Parameters
     ----------
     folder : Path
-        Which exists and is empty.
+        Existing, empty folder.
     found : ExtractedSegment
     inputs : mapping
         For the document: what it was cut from.
     frames : sequence of "RAS", "LPS" or None
-        Of the points before and after.
+        Patient frames of the points before and after.
 
     Raises
     ------

@@ -45,9 +45,9 @@ def stent_facts(
     ----------
     treated : TreatedStent
     lesions : sequence of TreatedLesion or None
-        Of the vessel; None where none were looked for.
+        Lesions of the vessel; None where none were looked for.
     units, frame : str
-        Of the file of the surface, in which its ends are told, too.
+        Unit and frame of the surface's file, in which its ends are told, too.
     """
     covered = [one for one in lesions or () if treated.number in one.stents]
     ratios = treated_ratios(treated, lesions)

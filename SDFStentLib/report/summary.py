@@ -178,9 +178,9 @@ def outcome_facts(
     stents : sequence of TreatedStent
         At least one: those of which is told.
     lesions : sequence of TreatedLesion or None
-        Of the vessel; None where none were looked for.
+        Lesions of the vessel; None where none were looked for.
     every : sequence of TreatedStent
-        All of the treatment, where these are only some.
+        Stents of the whole treatment, where these are only some.
     """
     stenosis = _stenosis(stents, lesions, every or stents)
     return Facts((stenosis, branches_fact(stents), *contact_fact(stents)))

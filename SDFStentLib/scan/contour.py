@@ -73,7 +73,7 @@ def contoured(field: Grid, spacing: Floats) -> Surface:
     field : (i, j, k) array
         About a distance, negative inside.
     spacing : (3,) array
-        Of the grid, whose first value is at the origin, mm.
+        Spacing of the grid, whose first value is at the origin, mm.
     """
     from scipy.ndimage import spline_filter
 

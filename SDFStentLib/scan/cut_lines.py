@@ -22,9 +22,9 @@ def lines_between(
     ----------
     tree : Centerline
     ends : sequence of RoundEnd
-        All of the tree.
+        Round ends of the whole tree.
     planes : sequence of CutPlane or None
-        Of each; an end without one stays as it is.
+        Plane of each; an end without one stays as it is.
     caps : (k, 3) array
         Middles of the flat ends, mm, the inlet first; lines come in their order.
     """

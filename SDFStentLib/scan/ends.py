@@ -98,7 +98,7 @@ def flat_ends(
     ----------
     surface : Surface
     tree : Centerline
-        Of it.
+        Centerlines of the surface.
     ends : sequence of RoundEnd
     inlet : (3,) array or None
         Names the inlet, mm; the widest end by default.

@@ -34,13 +34,13 @@ class PreparedEnd:
     Attributes
     ----------
     name : str
-        Of its face.
+        Name of its face.
     number : int
-        Of its face.
+        Number of its face.
     center : (3,) array
         LPS, mm.
     diameter : float
-        Of the circle with its area, mm.
+        Diameter of the circle with its area, mm.
     is_at_border : bool
         Whether the image ends there.
     """
@@ -63,7 +63,7 @@ class PreparedVessel:
     faces : NamedFaces
         `inlet`, the outlets and `wall`.
     lines : ExtractedLines
-        From the inlet to every outlet.
+        Centerlines from the inlet to every outlet.
     ends : tuple of PreparedEnd
         The inlet first.
     voxels : (3,) array

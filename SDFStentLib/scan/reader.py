@@ -103,7 +103,7 @@ def read_segmentation(path: str | PathLike[str], label: str | int | None = None)
     path : path
         `.nrrd` and `.seg.nrrd`, `.nii` and `.nii.gz`, `.mha` and `.mhd`.
     label : str or int, optional
-        Its number, or its name in a `.seg.nrrd`; not needed where there is only one.
+        Number of the label, or its name in a `.seg.nrrd`; not needed where there is only one.
 
     Raises
     ------

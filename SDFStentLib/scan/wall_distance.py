@@ -41,7 +41,7 @@ def wall_distance(labelmap: Labelmap, share: float = SHARE) -> Grid:
     Parameters
     ----------
     labelmap : Labelmap
-        With room round the vessel.
+        Labelmap with room round the vessel.
     share : float
         See `SHARE`.
     """

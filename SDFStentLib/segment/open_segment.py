@@ -22,7 +22,7 @@ class OpenSegment:
     vessel : VesselParts
         The vessel from which it was cut.
     mesh : CutSurface
-        Its triangles; their sources are triangles of the vessel.
+        Triangles of the segment; their sources are triangles of the vessel.
     planes : tuple of CutPlane
     rims : tuple of (r,) arrays of int
         The curve of each plane, in the direction of the triangles beside it.

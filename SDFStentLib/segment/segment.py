@@ -32,7 +32,7 @@ class Segment:
     Attributes
     ----------
     surface : Surface
-        Its surface, wound outward, mm.
+        Surface of the segment, wound outward, mm.
     face_ids : (m,) array of int
         `SegmentFace.number` of every triangle.
     faces : tuple of SegmentFace

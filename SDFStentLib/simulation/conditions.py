@@ -92,9 +92,9 @@ class EndFlows:
     ----------
     answer : FlowAnswer
     number : int
-        Of the state: 0 before, 1 after.
+        Number of the state: 0 before, 1 after.
     channels : sequence of Channel
-        Of the vessel before.
+        Channels of the vessel before.
     """
 
     def __init__(self, answer: FlowAnswer, number: int, channels: Sequence[Channel]) -> None:
@@ -175,11 +175,11 @@ def conditions_of(
     Parameters
     ----------
     answer : FlowAnswer
-        Of the vessel before and after.
+        Flow of the vessel before and after.
     channels : sequence of Channel
-        Of the vessel before.
+        Channels of the vessel before.
     before, after : Segment
-        With ends of the same names, of which the first one is an inlet.
+        Segments with ends of the same names, of which the first one is an inlet.
 
     Raises
     ------

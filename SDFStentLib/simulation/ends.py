@@ -140,7 +140,7 @@ def extended(segment: Segment, name: str, by: float) -> Segment | None:
     ----------
     segment : Segment
     name : str
-        Of the inlet or outlet.
+        Name of the inlet or outlet.
     by : float
         mm.
 

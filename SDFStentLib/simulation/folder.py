@@ -82,9 +82,9 @@ def scripts_of(cases: Sequence[tuple[str, TimeSteps]], processes: int) -> dict[s
     Parameters
     ----------
     cases : sequence of folders and their steps
-        In the order in which they are solved.
+        Cases in the order in which they are solved.
     processes : int
-        That `run.sh` takes.
+        Number of processes for `run.sh`.
     """
     told = {
         "processes": str(processes),
@@ -130,11 +130,11 @@ def write_cases(folder: Path, prepared: Prepared, origin: Origin, processes: int
     Parameters
     ----------
     folder : Path
-        Which is made.
+        Folder to make.
     prepared : Prepared
     origin : Origin
     processes : int
-        That `run.sh` takes.
+        Number of processes for `run.sh`.
 
     Raises
     ------

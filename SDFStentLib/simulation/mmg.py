@@ -52,7 +52,7 @@ def by_mmg(name: str, mesh: MeditMesh, sizes: Floats, options: Sequence[str]) ->
         `mmgs` for surfaces, `mmg3d` for tetrahedra.
     mesh : MeditMesh
     sizes : (n,) array
-        Of edges at the points, mm.
+        Sizes of edges at the points, mm.
     options : sequence of str
         As its command line has them.
 

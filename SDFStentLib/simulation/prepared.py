@@ -121,9 +121,9 @@ def prepare(
     Parameters
     ----------
     vessels : pair of Vessel
-        Before, with a centerline, and after, with the same triangles.
+        Vessel before, with a centerline, and after, with the same triangles.
     model : FlowModel
-        Of the vessel before.
+        Flow of the vessel before.
     cut : Cut
     wishes : Wishes
     tell : callable, optional

@@ -63,7 +63,7 @@ class SolvedCase:
     Parameters
     ----------
     folder : Path
-        Of the case.
+        Folder of the case.
     way : (k, 3) array
         Points of the centerline, mm.
     walls : sequence of str

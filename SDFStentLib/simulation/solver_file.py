@@ -91,9 +91,9 @@ def time_steps(conditions: Conditions, edge: float, radius: float, volume: float
     ----------
     conditions : Conditions
     edge, radius : float
-        Of the mesh and the lumen in the throat, mm.
+        Edge of the mesh and radius of the lumen in the throat, mm.
     volume : float
-        Of the lumen, mm^3.
+        Volume of the lumen, mm^3.
 
     Raises
     ------
@@ -253,9 +253,9 @@ def harmonics_of(time: Floats, flow: Floats, least: float) -> int:
     Parameters
     ----------
     time, flow : (t,) arrays
-        From 0; the last flow is the first.
+        Wave from time 0; the last flow is the first.
     least : float
-        By how much they may be missed at any rate.
+        Least tolerance, in the unit of the flow.
     """
     at, steps = time / time[-1], np.diff(time) / time[-1]
     slopes, count, more = np.diff(flow) / steps, 1, MODES

@@ -74,7 +74,7 @@ def balloon_by_rule(diameter: float, native_lumen: float) -> Balloon:
     Parameters
     ----------
     diameter : float
-        Of the balloon, mm.
+        Diameter of the balloon, mm.
     native_lumen : float
         Smallest inscribed diameter where the stent will lie, before it, mm; NaN where not known.
     """
@@ -108,11 +108,11 @@ def balloon_leaving(lumen: float, native_lumen: float, decimals: int | None = No
     Parameters
     ----------
     lumen : float
-        That it shall leave, mm.
+        Lumen that it shall leave, mm.
     native_lumen : float
         As of `balloon_by_rule`.
     decimals : int, optional
-        To which the diameter of the balloon, mm, is rounded; it leaves about the lumen then.
+        Decimals to which the balloon's diameter, mm, is rounded; it leaves about the lumen then.
     """
 
     def losing(recoil: float) -> Balloon:

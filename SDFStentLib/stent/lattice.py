@@ -143,7 +143,7 @@ def stent_lattice(
     ----------
     stent : Stent
     axis : StentAxis
-        Where it lies, with its profile where it is no cylinder.
+        Axis of the stent, with its profile where it is no cylinder.
     design : LatticeDesign, optional
         `design_of` the stent by default.
     expansion : float
@@ -184,7 +184,7 @@ def laid_along(points: ArrayLike, stent: Stent, axis: StentAxis) -> Points:
         mm: along z, its middle at z = 0. Sizes stay as they are.
     stent : Stent
     axis : StentAxis
-        Where it lies.
+        Axis of the stent.
 
     Returns
     -------

@@ -21,10 +21,10 @@ def dilated_again(stent: Stent, number: int, diameter: float) -> Stent:
     stent : Stent
         The earlier one.
     number : int
-        Of that one in the plan, from 1.
+        Number of that stent in the plan, from 1.
     diameter : float
-        Of the second balloon, where the first has one, else of the lumen, mm. The second recoils
-        as the first, or by the rule in the lumen that the first has left.
+        Diameter of the second balloon, if the first has one, else of the lumen, mm. The second
+        recoils as the first, or by the rule in the lumen that the first has left.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def redilated(stent: Stent, first: Stent, axis: StentAxis) -> Stent:
     first : Stent
         The earlier one, as it was resolved itself.
     axis : StentAxis
-        Where the earlier one lies.
+        Axis of the earlier one.
 
     Raises
     ------

@@ -81,9 +81,9 @@ class Shape:
     ----------
     waist : Waist, optional
     start, end : StentEnd, optional
-        Its proximal and its distal end.
+        Proximal and distal end.
     table : tuple of (fraction, diameter)
-        In place of these: diameters, mm, at parts of the length from 0 to 1, linear in between.
+        Diameters in place of these, mm, at parts of the length from 0 to 1, linear in between.
 
     Raises
     ------
@@ -155,7 +155,7 @@ class Shape:
         Parameters
         ----------
         diameter, length : float
-            Of the deployed stent, mm.
+            Sizes of the deployed stent, mm.
         narrowest : float
             Part of its length at which the vessel is narrowest.
 

@@ -52,9 +52,9 @@ class Stent(ByValue):
     Parameters
     ----------
     diameter : float
-        Of the lumen that is deployed, mm.
+        Diameter of the deployed lumen, mm.
     placement : Placement, optional
-        Where it goes; without one it lies nowhere yet, and cannot be deployed.
+        Placement in the vessel; without one it lies nowhere yet, and cannot be deployed.
     length : float, optional
         Nominal length, mm. Needed for a placement by one point, refused between two points;
         along an axis, None stands for the whole axis. That of the device where it has one.
@@ -63,18 +63,18 @@ class Stent(ByValue):
         where a length is given that of the device at the diameter, or 0.10 without a device; else
         0. Without a length the axis or way is the nominal one.
     device : Device, optional
-        Which one it is.
+        Device that it is.
     balloon : Balloon, optional
-        What expands it; the diameter is the one that it leaves.
+        Balloon that expands it; the diameter is the one that it leaves.
     shape : Shape, optional
-        Where it is no cylinder of that diameter; None: it is one.
+        Shape, if it is no cylinder of that diameter.
     keeps : str
-        What stays where it is when the stent shortens: its center, or its proximal or distal end.
+        Place that stays when the stent shortens: its center, or its proximal or distal end.
         A stent that is placed by an end keeps that one.
     may_be_shortened : bool
-        It is deployed also where less than half of it can lie on the vessel.
+        Whether it is deployed also with less than half of it on the vessel.
     name : str
-        What the user calls it; may be empty.
+        Name by the user; may be empty.
     enabled : bool
         Switched off, it stays in a plan and is skipped.
 

@@ -98,12 +98,12 @@ class StentAxis:
     line : Line
         Proximal to distal, no repeats, mm.
     inscribed_radius : array, shape (n,)
-        Of the vessel along the axis, mm; NaN where unknown.
+        Radius of the vessel along the axis, mm; NaN where unknown.
     nominal_length, prescribed_length : float
-        Before and after foreshortening, mm.
+        Lengths before and after foreshortening, mm.
     warnings : tuple of Caution
     profile : DiametersAlong, optional
-        Of the stent that lies there, where it is no cylinder.
+        Diameters of the stent that lies there, if it is no cylinder.
     """
 
     line: Line
@@ -156,7 +156,7 @@ def stent_axis(
     centerline : Centerline, optional
         Needed for every placement but `AlongAxis`, which does not look at it.
     lies_on : StentAxis, optional
-        Of the earlier stent, for one that is placed by `OfStent`.
+        Axis of the earlier stent, for one that is placed by `OfStent`.
 
     Returns
     -------

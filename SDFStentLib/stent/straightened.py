@@ -93,7 +93,7 @@ def turned_way(line: Line, goals: Floats, keeps: str = "center") -> TurnedWay:
     line, keeps
         As for `straight_way`.
     goals : array, shape (n - 1, 3)
-        Of the pieces: directions of any length; a piece with a zero keeps its own.
+        Goals of the pieces: directions of any length; a piece with a zero keeps its own.
 
     Raises
     ------

@@ -32,9 +32,9 @@ def covered_by_all(
     ----------
     branches : iterable of Ostium
     axis : ExtendedAxis
-        Of the stent beside which they are.
+        Axis of the stent beside which they are.
     stents : iterable of Stage or PlacedStent
-        Those that cover, it or others.
+        Stents that cover, it or others.
     """
     along = [_along(axis, stent)[0] for stent in stents]
     spans = [(float(some.min()), float(some.max())) for some in along if len(some)]

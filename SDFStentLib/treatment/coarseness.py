@@ -34,7 +34,7 @@ def too_coarse(check: LumenCheck, before: Surface, after: Surface) -> Iterator[C
     Parameters
     ----------
     check : LumenCheck
-        Of a stent, in the surface after all of them.
+        Check of a stent, in the surface after all of them.
     before, after : Surface
         As this stent found it, and after all of them.
     """

@@ -26,9 +26,9 @@ class TreatedLesion:
     Attributes
     ----------
     number : int
-        Among the vessel's lesions, from 1.
+        Number among the vessel's lesions, from 1.
     before, after : Lesion
-        The same part of the vessel before any stent and after all of them.
+        Lesion before any stent, and at the same part of the vessel after all of them.
     stents : tuple of int
         Numbers of the stents that cover its narrowest place, or end in the sphere there.
     is_left_beyond : bool
@@ -55,11 +55,11 @@ def treated_lesions(
     lesions : sequence of Lesion
         `find_lesions` of the vessel before treatment.
     stents : sequence of PlacedStent
-        Where they lie, such as those of a result.
+        Stents in their places, such as those of a result.
     after : Surface
-        After all stents.
+        Surface after all stents.
     before : Surface, optional
-        Before any, the same triangles: lesions far from what has moved stay what they are.
+        Surface before any, the same triangles: lesions far from what has moved stay what they are.
     """
     moved = None if before is None else moved_wall(before, after)
     left = lesions_after(lesions, after, moved)
@@ -127,7 +127,7 @@ class Residual:
     Attributes
     ----------
     percent : float
-        By diameter; NaN where it is not known.
+        Stenosis by diameter, percent; NaN where it is not known.
     minimum, reference : float
         Inscribed diameter there and that of the healthy vessel, mm.
     point : tuple of float
@@ -139,7 +139,7 @@ class Residual:
     stent : int
         The number of that stent; of two the proximal one.
     distance : float
-        From the end of that stent along the vessel, mm; 0 within.
+        Distance from the end of that stent along the vessel, mm; 0 within.
     """
 
     percent: float

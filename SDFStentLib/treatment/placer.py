@@ -52,13 +52,13 @@ class Placer:
     Attributes
     ----------
     native : Surface
-        Before any stent: none may be far wider than its lumen.
+        Surface before any stent: none may be far wider than its lumen.
     stents : sequence of Stent
-        All of the plan.
+        Stents of the whole plan.
     change : AxisChange
-        What is done to their axes.
+        Smoothing and straightening of their axes.
     rows : sequence of int
-        By which messages count the stents; without, by their places in `stents`.
+        Rows by which messages count the stents; by default their places in `stents`.
     probes : callable, optional
         Points (n, 3) of the native wall that stand for it near those of an axis, mm.
     """

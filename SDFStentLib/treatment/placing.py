@@ -53,11 +53,11 @@ def placement_at(
     ----------
     lesion : Lesion
     centerline : Centerline
-        That of the vessel in which it was found.
+        Centerline of the vessel in which it was found.
     stent_length : float
         Nominal, mm.
     foreshortening_fraction : float
-        Of the stent, as in `Stent`.
+        Foreshortening of the stent, as in `Stent`.
 
     Returns
     -------
@@ -131,12 +131,12 @@ def healthy_vessel(
     Parameters
     ----------
     native : DiameterProfile
-        Before any stent, along the stent from arc length 0 and beyond both of its ends.
+        Diameters before any stent, along it from arc length 0 and beyond both of its ends.
     stent_length : float
-        Once it is expanded, mm.
+        Length of the expanded stent, mm.
     lesions : sequence of Lesion or None
-        All of the vessel. None where they were not looked for: what is healthy is not known then,
-        and the widest lumen within the stent stands for it.
+        Lesions of the vessel. None where they were not looked for: what is healthy is not known
+        then, and the widest lumen within the stent stands for it.
     """
     # Outside of the lumen the diameter is 0.
     known = native.inscribed_diameter > 0

@@ -89,9 +89,9 @@ class PreviewState:
     indices : (k,) array
         Points that have moved.
     coordinates : (k, 3) array
-        Where they are, mm.
+        Places of these points, mm.
     stents : tuple of PreviewedStent
-        Those that are switched on, in order.
+        Stents that are switched on, in order.
     """
 
     indices: Indices
@@ -160,7 +160,7 @@ class Preview:
     Parameters
     ----------
     surface : Surface
-        Of the vessel.
+        Surface of the vessel.
     centerline : Centerline, optional
         Needed for every placement but along an axis.
     """

@@ -57,9 +57,9 @@ class SizeRatios:
     Attributes
     ----------
     diameter : float
-        Of its lumen, mm.
+        Diameter of its lumen, mm.
     healthy : HealthyVessel
-        Where it lies.
+        Healthy vessel in which it lies.
     stenosis_diameter : float
         Smallest inscribed diameter of the lesion that it covers, mm; NaN where it covers none.
     balloon_to_stenosis : float
@@ -133,7 +133,7 @@ def treated_ratios(one: TreatedStent, lesions: Sequence[TreatedLesion] | None) -
     ----------
     one : TreatedStent
     lesions : sequence of TreatedLesion or None
-        Of its vessel; None where they were not looked for.
+        Lesions of its vessel; None where they were not looked for.
     """
     native = None if lesions is None else [lesion.before for lesion in lesions]
     healthy = healthy_vessel(one.around_before, one.axis.deployed_length, native)

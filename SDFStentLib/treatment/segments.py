@@ -68,12 +68,12 @@ def extract_segment(
     Parameters
     ----------
     vessel : Vessel
-        With a centerline.
+        Vessel with a centerline.
     start, end : (3,) arrays
         Places in it, mm.
     wishes : SegmentWishes, optional
     after : Vessel, optional
-        The same vessel treated, which is cut by the planes of the untreated one.
+        Vessel after treatment, which is cut by the planes of the untreated one.
 
     Raises
     ------

@@ -48,9 +48,9 @@ class SizingWishes:
     ratio : float
         Lumen over the smaller healthy vessel beside the lesion, 0.2 to 2.
     margin : float
-        How far it goes beyond the lesion on both sides, mm.
+        Length beyond the lesion on both sides, mm.
     device : Device, optional
-        Its length is taken where it has one, or the shortest that it is sold in and that suffices.
+        Device, whose length is taken, or the shortest that it is sold in and that suffices.
     foreshortening_fraction : float, optional
         As of `Stent`.
     """
@@ -103,14 +103,14 @@ class Suggestion:
     Attributes
     ----------
     number : int
-        Of the lesion among those of the vessel, from 1.
+        Number of the lesion among those of the vessel, from 1.
     lesion : Lesion
     stent : Stent
     axis : StentAxis
-        Where it will lie.
+        Axis of the stent in the vessel.
     ratios : SizeRatios
     rule : str
-        By which its sizes were chosen, in words.
+        Rule by which its sizes were chosen, in words.
     """
 
     number: int
@@ -151,9 +151,9 @@ def suggested(
     ----------
     lesion : Lesion
     number : int
-        Of the lesion, from 1.
+        Number of the lesion, from 1.
     centerline : Centerline
-        Of the vessel in which it was found.
+        Centerline of the vessel in which it was found.
     wishes : SizingWishes
 
     Raises

@@ -239,7 +239,7 @@ def permitted(way: Way, radius: float, vessel: Surface, fraction: float) -> Perm
     ----------
     way : Way
     radius : float
-        Of the stent, mm.
+        Radius of the stent, mm.
     vessel : Surface
     fraction : float
         Share of the way that is asked for.

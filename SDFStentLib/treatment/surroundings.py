@@ -117,7 +117,7 @@ def surveyed(native: Surface, found: Surface, axis: Line, names: TreeNames) -> S
     native, found : Surface
         The vessel before any stent, and as this one finds it; the same triangles.
     axis : Line
-        Of the stent.
+        Axis of the stent.
     names : TreeNames
     """
     centerline, faces, given = names
@@ -162,7 +162,7 @@ def surroundings(
     Parameters
     ----------
     survey : Survey
-        Of this stent.
+        Survey of this stent.
     states : VesselStates
     radius : callable
         Gives its radius, mm, at arc lengths (n,) of its axis.

@@ -63,26 +63,26 @@ class Treatment:
     Parameters
     ----------
     surface : Surface
-        Of the vessel.
+        Surface of the vessel.
     stents : sequence of Stent
-        In order; those switched off are skipped and named.
+        Stents in order; those switched off are skipped and named.
     centerline : Centerline, optional
         Needed for every placement but along an axis. It moves along, and later stents are
         placed on it where it is then.
     settings : DeploymentSettings, optional
-        With `certify`, one certificate is made at the end for the whole treatment.
+        Settings; with `certify`, one certificate is made at the end for the whole treatment.
     straightening_fraction : float
         Share of its bends that the axis of every stent loses, its length kept.
     companions : array_like, shape (c, 3), optional
         Further points that are dragged along.
     precision : Precision, optional
-        How the result will be stored.
+        Precision of the stored result.
     faces : NamedFaces, optional
-        Of the surface; branches are called by them.
+        Faces of the surface; branches are called by them.
     given_names : sequence of str or None
-        What the user calls the branches of the centerline, each in its place, as `Vessel` has it.
+        Names of the branches of the centerline by the user, each in its place, as of `Vessel`.
     rows : sequence of int
-        By which messages count the stents; without, by their places in `stents`.
+        Rows by which messages count the stents; by default their places in `stents`.
 
     Raises
     ------

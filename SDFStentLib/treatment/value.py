@@ -37,7 +37,7 @@ class TreatmentState:
     Attributes
     ----------
     placed : PlacedStent
-        That stent, where it lies.
+        That stent in its place.
     fraction : float
         Done of the whole treatment, in [0, 1].
     deployment : DeploymentState
@@ -68,10 +68,10 @@ class PlacedStent:
     Attributes
     ----------
     number : int
-        In the plan, from 1.
+        Number in the plan, from 1.
     stent : Stent
     axis : StentAxis
-        Where it lies.
+        Axis in the vessel.
     """
 
     number: int
@@ -115,26 +115,26 @@ class TreatedStent(PlacedStent):
     Attributes
     ----------
     before, after : DiameterProfile
-        Of the vessel along the axis, before any stent and after all of them.
+        Diameters of the vessel along the axis, before any stent and after all of them.
     around_before, around_after : DiameterProfile
-        The same, and up to 20 mm beyond both ends.
+        Diameters likewise, and up to 20 mm beyond both ends.
     way : ExtendedAxis
-        Its axis and the way beyond both ends, along which the places of branches count.
+        Axis and the way beyond both ends, along which the places of branches count.
     branches : tuple of Ostium
         Side branches near it, found on the surface that it was put into.
     neighbors : tuple of NeighborLumen
         Lumens beside it whose wall has moved; branches by the names of their ostia.
     apposition : Apposition or None
-        Its contact with the wall after treatment; None for one that is dilated again, which then
+        Contact with the wall after treatment; None for one that is dilated again, which then
         has neither this size nor this place.
     again : int or None
         Number of the last of the later stents that are this one, dilated again.
     again_row : int or None
-        By which who reads of it counts that one; its own `row` where it is dilated again at once.
+        Row by which a reader counts that one; its own `row` where it is dilated again at once.
     earlier_row : int or None
-        The same of the stent that it dilates again; None where it dilates none.
+        Row of the stent that it dilates again; None where it dilates none.
     result : DeploymentResult
-        What came of it, before the stents after it.
+        Its deployment, before the stents after it.
     """
 
     before: DiameterProfile
@@ -163,7 +163,7 @@ class TreatmentResult:
     Attributes
     ----------
     before, surface : Surface
-        Before any stent, and after all of them.
+        Surfaces before any stent, and after all of them.
     indices : (k,) array
         Points that moved; the others have the bits of the input.
     centerline : Centerline or None
@@ -171,11 +171,11 @@ class TreatmentResult:
     companions : (c, 3) array
         Further points that were dragged along, mm.
     stents : tuple of TreatedStent
-        Those that were switched on, in order.
+        Stents that were switched on, in order.
     certificate : Certificate or None
-        From the input to the end of the whole plan; None when the settings ask for none.
+        Certificate from the input to the end of the plan; None when the settings ask for none.
     warnings : tuple of Caution
-        What the user has to know; `str` of one is its sentence.
+        Cautions for the user; `str` of one is its sentence.
     timings : dict
         Seconds for setup, deploy, measure and certify.
     """

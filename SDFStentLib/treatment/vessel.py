@@ -52,9 +52,9 @@ class Vessel:
     reference : tuple of (3,) arrays
         Healthy vessel that the user marked, mm.
     faces : NamedFaces or None
-        Of the wall; they name the branches.
+        Faces of the wall; they name the branches.
     names : tuple of VesselName
-        What the user calls its vessels; they come first.
+        Names of its vessels by the user; they come first.
     lines : (n, 2, 3) array or None
         Begins and ends of the lines of which the centerline was made, mm.
     """
@@ -200,9 +200,9 @@ class Vessel:
         Parameters
         ----------
         stent : Stent
-            With its place.
+            Stent with its place.
         diameter : float
-            Of the balloon, mm.
+            Diameter of the balloon, mm.
         recoil : float, optional
             Part of that which is lost; without, by the rule in the lumen where the stent lies with
             the usual recoil, see `balloon_by_rule`.

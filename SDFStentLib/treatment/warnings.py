@@ -41,13 +41,13 @@ def check_width(
     Parameters
     ----------
     diameter : float
-        Of the stent, mm.
+        Diameter of the stent, mm.
     axis : StentAxis
-        Its inscribed radius is believed where it is known.
+        Axis, whose inscribed radius is believed where it is known.
     surface : Surface
-        Its nearest point stands for the wall where the radius is unknown; caps are none.
+        Surface, whose nearest point stands for the wall where the radius is unknown; caps are none.
     probes : (n, 3) array, optional
-        Of the surface, mm; asked first.
+        Points of the surface, mm; asked first.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def size_cautions(
     ----------
     stents : sequence of TreatedStent
     lesions : sequence of TreatedLesion or None
-        Of their vessel; None where they were not looked for.
+        Lesions of their vessel; None where they were not looked for.
     label : callable
         Names a stent by its number.
     """

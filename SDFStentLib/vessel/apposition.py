@@ -103,11 +103,11 @@ def apposition(
     Parameters
     ----------
     surface : Surface
-        After deployment, mm.
+        Surface after deployment, mm.
     axis : Line or array_like, shape (n, 3)
         The stent's, proximal to distal, mm.
     radius : float or callable
-        Of the stent, mm; or what gives it at arc lengths (n,) of the axis from its proximal end.
+        Radius of the stent, mm, or that at arc lengths (n,) of the axis from its proximal end.
 
     Raises
     ------

@@ -28,11 +28,11 @@ def branch_names(
     ----------
     surface : Surface
     centerline : Centerline
-        Of the same vessel.
+        Centerline of the same vessel.
     faces : NamedFaces, optional
-        Of the surface.
+        Faces of the surface.
     given : sequence of str or None
-        What the user calls them, by branch, as `given_names` tells; it comes first.
+        Names by the user, by branch, as `given_names` tells; they come first.
 
     Returns
     -------

@@ -49,11 +49,11 @@ def given_names(
     Parameters
     ----------
     surface : Surface
-        Before any stent; open or closed.
+        Surface before any stent; open or closed.
     centerline : Centerline
     names : sequence of VesselName
     faces : NamedFaces, optional
-        Of the surface.
+        Faces of the surface.
 
     Raises
     ------

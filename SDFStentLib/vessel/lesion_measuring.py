@@ -44,7 +44,7 @@ def measured(lesions: Sequence[Lesion], surface: Surface, wall: LocalSurface) ->
         Their diameters are those on this surface.
     surface : Surface
     wall : LocalSurface
-        Of it.
+        Wall of the surface.
     """
     fine = [_round_narrowest(lesion) for lesion in lesions]
     spheres = _spheres(wall, [(places, ways) for _, places, ways in fine])
@@ -62,12 +62,12 @@ def lesions_after(
     Parameters
     ----------
     lesions : sequence of Lesion
-        As found before it.
+        Lesions as found before it.
     surface : Surface
-        After it.
+        Surface after it.
     moved : MovedWall, optional
-        From then to now: what it comes nowhere near is not measured again, and a lesion that it
-        does not touch at all stays what it is.
+        Wall moved from then to now: what it comes nowhere near is not measured again, and a lesion
+        that it does not touch at all stays what it is.
 
     Returns
     -------

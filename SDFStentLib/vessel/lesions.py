@@ -59,11 +59,11 @@ def find_lesions(
     Parameters
     ----------
     surface : Surface
-        Before any stent; open or closed.
+        Surface before any stent; open or closed.
     centerline : Centerline
         Vessels begin at its root.
     faces : NamedFaces, optional
-        Of the surface; they name the branches.
+        Faces of the surface; they name the branches.
     given : sequence of str or None
         `given_names`, which come before those.
 
@@ -132,9 +132,9 @@ def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
     Parameters
     ----------
     lesion : Lesion
-        As found before treatment.
+        Lesion as found before treatment.
     surface : Surface
-        After it.
+        Surface after it.
 
     Returns
     -------
@@ -158,7 +158,7 @@ def lesions_within(
     ----------
     lesions : sequence of Lesion
     axis : Line or array_like, shape (n, 3)
-        Of the stent from end to end, mm.
+        Axis of the stent from end to end, mm.
     beyond : float
         Radii of the sphere at the narrowest place by which that may lie beyond an end: a stent that
         begins at a throat, or ends there, treats it. 0: it is covered.

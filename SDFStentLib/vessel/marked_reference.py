@@ -58,10 +58,10 @@ def lesion_against(
     ----------
     lesion : Lesion
     places : sequence of one or two (3,) arrays
-        Near the centerline where the vessel is healthy, mm. Two, one on each side: the reference
-        tapers from one to the other. One: it is the reference everywhere.
+        Places near the centerline where the vessel is healthy, mm. Two, one on each side: the
+        reference tapers from one to the other. One: it is the reference everywhere.
     surface : Surface
-        In which the lesion was found.
+        Surface in which the lesion was found.
     centerline : Centerline
 
     Raises

@@ -105,7 +105,7 @@ class NeighborStations:
     ----------
     states : VesselStates
     ways : iterable of NeighborWay
-        In the vessel as the stent found it.
+        Ways in the vessel as the stent found it.
 
     Attributes
     ----------

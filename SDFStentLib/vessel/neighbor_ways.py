@@ -54,11 +54,11 @@ class BranchWays:
     Parameters
     ----------
     surface : Surface
-        In which the stent lies, mm.
+        Surface in which the stent lies, mm.
     axis : ExtendedAxis
-        Of the stent.
+        Axis of the stent.
     centerline : Centerline or None
-        Of the surface.
+        Centerline of the surface.
     """
 
     def __init__(self, surface: Surface, axis: ExtendedAxis, centerline: Centerline | None) -> None:

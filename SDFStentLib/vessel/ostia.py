@@ -150,12 +150,12 @@ def find_ostia(
     surface : Surface
         Native, open or closed, mm.
     axis : ExtendedAxis
-        Of the stent.
+        Axis of the stent.
     faces : NamedFaces, optional
-        Of the surface; those with names name the branches.
+        Faces of the surface; those with names name the branches.
     centerline : Centerline, optional
-        What leads to its root is no branch, but the vessel from which this one comes: this one
-        itself where the way beyond the stent goes there. Where all of its ends lie in flat caps,
+        Tree: what leads to its root is no branch, but the vessel from which this one comes: this
+        one itself where the way beyond the stent goes there. Where all of its ends lie in flat caps,
         what leads to no cap is no vessel. What a line leads into is no pouch.
     """
     tube = expected_tube(surface, axis.line)

@@ -93,7 +93,7 @@ class LinesFromAxis:
     tree : Centerline
     axis : Line
     reach : float
-        How far from each end of the axis they go at least, mm.
+        Least length beyond each end of the axis, mm.
     beside : float, optional
         No more is asked for as the distance up to which they do not leave the axis, mm.
     """

@@ -72,9 +72,9 @@ def beam_on(
     line : Line
         The axis of the stretch, mm.
     radius : float
-        Its largest, mm.
+        Largest radius of the vessel, mm.
     view, frame
-        From where it is looked at, and in which frame the line is.
+        View, and patient frame of the line.
     source : float, optional
         Distance of a point source from the isocenter, mm; without, rays are parallel.
     reach : float, optional

@@ -101,7 +101,7 @@ def arm_axes(primary: Floats, secondary: Floats, frame: Frame) -> Floats:
     primary, secondary : (k,) arrays
         Degrees.
     frame : "RAS" or "LPS"
-        In which the vectors are wanted.
+        Patient frame of the vectors.
 
     Returns
     -------

@@ -67,13 +67,13 @@ class Shown:
     Parameters
     ----------
     tree : Centerline
-        With radii.
+        Centerline with radii.
     line : Line
         The axis of the stretch, mm.
     radii : (k,) array
         Inscribed, at its points, mm.
     frame : "RAS" or "LPS"
-        Of both.
+        Patient frame of both.
     """
 
     tree: Centerline

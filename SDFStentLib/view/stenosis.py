@@ -46,9 +46,9 @@ class LesionSections:
     Parameters
     ----------
     lesion : Lesion
-        As found before treatment: what it is measured against stays.
+        Lesion as found before treatment: what it is measured against stays.
     after : Lesion
-        The same part on the wall that is looked at; the same as `lesion` before treatment.
+        The same part on the wall that is looked at; `lesion` itself before treatment.
     tree : Centerline
         On which it was found.
 

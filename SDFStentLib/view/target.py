@@ -75,7 +75,7 @@ def stretch_target(line: Line, radii: Floats) -> Target:
     Parameters
     ----------
     line : Line
-        Its axis.
+        Axis of the stretch.
     radii : (k,) array
         Inscribed, at the points of the line, mm; unknown ones are interpolated.
     """

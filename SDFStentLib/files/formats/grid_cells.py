@@ -50,7 +50,7 @@ def polydata_cells(
     offsets, corners : (m + 1,) and (k,) arrays
         As in `Cells` of `polydata`; checked already.
     name : str
-        What to call the file in messages.
+        Name of the file in messages.
 
     Raises
     ------

@@ -27,7 +27,7 @@ def mdl_face_names(data: bytes, name: str) -> dict[int, str]:
     data : bytes
         A whole file.
     name : str
-        What to call it in messages.
+        Name of the file in messages.
 
     Raises
     ------

@@ -81,7 +81,7 @@ def decode_legacy(data: bytes, name: str) -> StoredPolydata:
     data : bytes
         The whole file.
     name : str
-        What to call it in messages.
+        Name of the file in messages.
 
     Raises
     ------

@@ -44,7 +44,7 @@ def decode_vtp(data: bytes, name: str) -> StoredPolydata:
     data : bytes
         The whole file.
     name : str
-        What to call it in messages.
+        Name of the file in messages.
 
     Raises
     ------

@@ -70,7 +70,7 @@ def parsed_markup(data: bytes, name: str, suffix: str) -> Markup:
     data : bytes
         A whole file.
     name : str
-        What to call it in messages.
+        Name of the file in messages.
     suffix : str
         The expected format, VTP or VTU.
 

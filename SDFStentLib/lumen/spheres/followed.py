@@ -56,7 +56,7 @@ class FollowedWall(NamedTuple):
         states : pair of (m, 3) arrays
             The points of the surface before and now.
         shifts : (n, 3) array
-            By what the stations have moved, mm.
+            Moves of the stations, mm.
         axes : (n, 2, 3) array
             Two directions across each of them now.
         """

@@ -47,7 +47,7 @@ def inscribed_spheres(
     Parameters
     ----------
     points, triangles : (k, 3) and (m, 3) arrays
-        Of a surface, open or closed, or a part of one; orientation does not matter.
+        Surface or a part of one, open or closed; orientation does not matter.
     centers : array_like, shape (n, 3)
         Axis points inside the lumen, mm, from where the search starts.
     tangents : array_like, shape (n, 3), optional
@@ -92,7 +92,7 @@ class StationSearch:
     Parameters
     ----------
     surface : LocalSurface
-        What bounds the spheres.
+        Surface that bounds the spheres.
     centers, until
         As of `inscribed_spheres`.
     directions : (n, 3) array
@@ -155,9 +155,9 @@ class SphereSearch:
     ----------
     surface : Surface
     around : (n, 3) array
-        Where the search begins, mm.
+        Places where the search begins, mm.
     reach : float
-        How far from there places come, mm; farther ones take longer.
+        Distance from there to the places to come, mm; farther ones take longer.
     """
 
     def __init__(self, surface: Surface, around: Points, reach: float) -> None:

@@ -26,7 +26,7 @@ class LocalSurface:
     lowest, highest : (3,) arrays
         Corners of the box round the whole surface, mm.
     growths : int
-        How often it has grown; triangle numbers change with it.
+        Number of its growths; triangle numbers change with it.
     """
 
     def __init__(

@@ -43,7 +43,7 @@ class Neighborhood:
         Parameters
         ----------
         centers, radii, axes : (n, 3), (n,) and (n, 2, 3) arrays
-            Of all; no radius is smaller than the distance to the wall.
+            Spheres and axes of all stations; no radius is below the distance to the wall.
         reach : (k,) array
             Walls farther than a radius and this do not matter, mm.
         active : (k,) array of int

@@ -42,7 +42,7 @@ def with_own_spheres(
     Parameters
     ----------
     wall : LocalSurface
-        What bounds the spheres.
+        Surface that bounds the spheres.
     stations, directions : (n, 3) arrays
         mm.
     found : InscribedSpheres

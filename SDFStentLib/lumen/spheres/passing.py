@@ -37,7 +37,7 @@ def with_passing(
     Parameters
     ----------
     wall : LocalSurface
-        What bounds the spheres.
+        Surface that bounds the spheres.
     stations : (n, 3) array
         mm.
     found : InscribedSpheres
@@ -76,7 +76,7 @@ def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floa
     radius : float
         About as wide, mm.
     ends : (2, 3) array
-        Where the way begins and ends, mm.
+        Ends of the way, mm.
     """
     corners = np.vstack([throat, ends])
     low, high = corners.min(axis=0) - radius, corners.max(axis=0) + radius

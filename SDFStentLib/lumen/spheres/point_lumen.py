@@ -32,9 +32,9 @@ def rough_radii(points: ArrayLike, centers: ArrayLike, normals: ArrayLike) -> Fl
     Parameters
     ----------
     points : array_like, shape (k, 3)
-        Of the wall, mm.
+        Points of the wall, mm.
     centers : array_like, shape (n, 3)
-        Of the axis, mm, n at least 2.
+        Points of the axis, mm, n at least 2.
     normals : array_like, shape (k, 3)
         Unit normals of the wall: what looks along the axis is a cap and counts as open.
 

@@ -192,7 +192,7 @@ def alternatives_picture(results: Mapping[str, PlanResult], *, hides_device: boo
     Parameters
     ----------
     results : mapping of str to PlanResult
-        By name: plans for one vessel that were carried out.
+        Results by name: plans for one vessel that were carried out.
     hides_device : bool
         Whether to leave out the struts of the stents.
 

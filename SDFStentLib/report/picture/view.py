@@ -83,7 +83,7 @@ def best_view(
     aspect : float
         Width over height of the picture.
     frame : str or None
-        Of two opposite views, equally good, the one from the patient's front is taken.
+        Patient frame: of two opposite views, equally good, that from the front is taken.
 
     Returns
     -------

@@ -79,7 +79,7 @@ def views_drawing(
     struts : sequence of (m, p, 3) arrays
         Curves of the stents in the treated vessel, mm.
     views : sequence of SeenView, optional
-        Those that are shown; by default the best and the second one, and those that were asked for.
+        Views to draw; by default the best and the second one, and those that were asked for.
     """
     if views is None:
         found = (told.found.best, told.found.second, *told.typed)
