@@ -208,7 +208,7 @@ class FlowModel:
 
     @cached_property
     def _cases(self) -> list[PossibleFlow]:
-        """The usual one first."""
+        """Possible flows of the model, the usual one first."""
         return [self._usual, *(case for pair in self._others for case in pair)]
 
     @cached_property

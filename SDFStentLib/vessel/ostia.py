@@ -155,8 +155,8 @@ def find_ostia(
         Faces of the surface; those with names name the branches.
     centerline : Centerline, optional
         Tree: what leads to its root is no branch, but the vessel from which this one comes: this
-        one itself where the way beyond the stent goes there. Where all of its ends lie in flat caps,
-        what leads to no cap is no vessel. What a line leads into is no pouch.
+        one itself where the way beyond the stent goes there. Where all of its ends lie in flat
+        caps, what leads to no cap is no vessel. What a line leads into is no pouch.
     """
     tube = expected_tube(surface, axis.line)
     wall, places, ends = _faces_of_wall(tube, faces), tube.places, np.empty((0, 3))
