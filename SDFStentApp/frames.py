@@ -38,7 +38,7 @@ class FrameScheduler:
     A frame is drawn by the event loop, encoded beside it, and sent before the next one is drawn:
     who waits for `isBehind` to end before the next change never makes pictures that nobody sees.
     `on_frame()` is called before one is drawn, and what it begins in the next two turns of the
-    event loop goes on beside the drawing; `count` tells how often that was.
+    event loop goes on beside the drawing; `count` is how often that was.
     """
 
     target_fps = MOST_FRAMES_PER_S

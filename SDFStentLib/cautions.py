@@ -325,7 +325,7 @@ class Caution:
         remedies : mapping, optional
             Ways of the reader to follow the advice, by name, such as options of the command.
         units : {"mm", "cm", "m"}
-            Unit of the surface's file: a place is told in it, too.
+            Unit of the surface's file: places are given in it, too.
         """
         x, y, z = self.place or (None, None, None)
         words = {**NO_REMEDIES, **(remedies or {}), "thing": thing, "x": x, "y": y, "z": z}

@@ -144,7 +144,7 @@ def _newChart(add, name, along, series):
 
 
 def _draw(chart, table, x, columns, top):
-    """Columns over another, from 0 on. The title tells the lines apart: a legend would lie over them."""
+    """Columns over another, from 0 on. The title distinguishes the lines: a legend would lie over them."""
     chart.SetYAxisRangeAuto(False)
     chart.SetYAxisRange(0.0, top)
     chart.SetLegendVisibility(False)

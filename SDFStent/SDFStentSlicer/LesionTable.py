@@ -22,7 +22,7 @@ SETTLE_MS = 250
 class LesionTable:
     """Searches in small portions once vessel and centerline are chosen, and shows in `ui.lesionTable` what was found.
 
-    `roomOf()` tells how many pixels it may be higher. `onSelect(lesion)` is called when the user selects a lesion; `selected` is that one, None without. `onFound()` is called when
+    `roomOf()` is the number of pixels by which it may be higher. `onSelect(lesion)` is called when the user selects a lesion; `selected` is that one, None without. `onFound()` is called when
     a search has ended and the vessel could be measured.
     """
 

@@ -85,7 +85,7 @@ class PreviewedVessel:
     def portions(self, case, places, lesions=()):
         """Preview the library's `Case` in this vessel; yields portions until it is done, then returns its `PreviewRun`.
 
-        `lesions` are those that numbers will be told for.
+        `lesions` are those for the numbers.
         """
         surface, process = self.vessel.surface, Calculating.processes.previewing
         try:

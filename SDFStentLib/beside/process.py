@@ -166,7 +166,7 @@ class TreatmentProcess:
 
     @property
     def number(self) -> int:
-        """The number of what was asked for last; answers to anything before are not told."""
+        """The number of what was asked for last; answers to earlier ones are dropped."""
         return self._number
 
     @property

@@ -41,7 +41,7 @@ STENT_ENDS = (
 )
 """Places of the stent's ends on the main and left pulmonary artery, mm, 26 and 37 mm from the
 inlet: the stent covers the throat and hardly the other branch, whose junction is at 24. There the
-lesion begins, of which 2 mm are told as not covered. docs/flow.md was computed with this stent."""
+lesion begins, of which 2 mm count as not covered. docs/flow.md was computed with this stent."""
 
 NOT_CERTIFIED = 3
 

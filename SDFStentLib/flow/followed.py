@@ -62,7 +62,7 @@ class FollowedChannels:
         """Distances (n,) by channel within which wall may matter to its stations, mm.
 
         Twice a radius holds the sphere and the wall round it that plays a part. Where nothing is
-        known, as at a cap, what is known next to it tells.
+        known, as at a cap, what is known next to it counts.
         """
         return [_filled(np.fmax(one.inscribed, one.section)) for one in self.channels]
 

@@ -35,7 +35,7 @@ class SideClues(NamedTuple):
     """Clues that tell the main branches apart."""
 
     frame: Frame | None = None
-    """The frame of the patient, which tells where right is."""
+    """Patient frame, which defines the right side."""
     right: Points | None = None
     """(3,) a place in the right one, mm."""
     names: Sequence[str | None] = ()

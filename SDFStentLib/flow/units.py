@@ -18,7 +18,7 @@ TIME_UNITS = "s, ms or min"
 """Accepted units, in words."""
 
 _BARE = ("", "t", "time")
-"""Headers of a column of time that tell no unit: s, as documented."""
+"""Headers of a column of time without a unit: s, as documented."""
 
 _VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*)", re.IGNORECASE)
 
@@ -71,7 +71,7 @@ def time_value(text: str, name: str = "time") -> float:
 
 
 def flow_column(header: str) -> float | None:
-    """Milliliters a second in the unit of a column of flow; None where it tells no unit.
+    """Milliliters a second in the unit of a column of flow; None where it names no unit.
 
     Such as mL/s, flow_mL/s, q_ml_min or Flow [L/min].
 

@@ -61,7 +61,7 @@ def read_wave(
     needs_unit : bool
         Without a unit its shape alone is known.
     cycle : float, optional
-        Length of the cycle, s, where the rows do not tell that; rows beyond it are further beats.
+        Length of the cycle, s, where the rows leave that open; rows beyond it are further beats.
 
     Raises
     ------

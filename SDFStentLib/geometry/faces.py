@@ -70,7 +70,7 @@ def signed_volume(points: Points, triangles: Triangles) -> float:
 def oriented_triangles(
     points: Points, triangles: Triangles, inside: Points | None = None
 ) -> Triangles:
-    """Triangles with one winding per connected part, outward where that can be told.
+    """Triangles with one winding per connected part, outward where that is defined.
 
     A closed part is turned so that its volume is positive. An open part is turned away from the
     nearest of the `inside` points; without them it keeps the winding of the majority of its

@@ -126,7 +126,7 @@ def _box(corners: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 def caps_of(surface: Surface) -> list[FlatCap]:
     """The flat caps that are ends of a whole surface, in the order of their first faces.
 
-    Looked for once for as long as it is in use; `are_ends` tells them from spots of the wall.
+    Looked for once for as long as it is in use; `are_ends` separates them from spots of the wall.
     """
     if (found := _known.get(surface)) is None:
         points, triangles = surface.points, surface.wound_triangles

@@ -1,7 +1,7 @@
 """Width of a vessel where its lines end, and lines that begin at its wall put into its middle.
 
 What a network extraction traces from one hole, or a hand draws from a rim, reaches the middle of
-the vessel only farther on. Measured along itself it tells of narrowings that are not there.
+the vessel only farther on. Measured along itself it shows narrowings that are not there.
 """
 
 from __future__ import annotations

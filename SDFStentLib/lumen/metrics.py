@@ -1,6 +1,6 @@
 """Diameters along a vessel.
 
-Two diameters, because neither tells all. The *inscribed* diameter is that of the largest sphere
+Two diameters, because neither says all. The *inscribed* diameter is that of the largest sphere
 that fits into the lumen, its center free in the plane across the axis: what a stent or a balloon
 feels. The *equivalent* diameter is that of the circle with the area of the lumen's cross-section:
 what the flow feels. They agree in a round tube; elsewhere the inscribed one is the smaller.

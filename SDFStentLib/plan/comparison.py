@@ -22,7 +22,7 @@ class Alternative:
     Attributes
     ----------
     name : str
-        Name, by which it is told from the others.
+        Name that distinguishes it from the others.
     plan : Plan
     result : PlanResult or None
         As `run_plan` gives it; None when the plan could not be carried out.

@@ -81,7 +81,7 @@ class Plan(ByValue):
         Flow and pressures before treatment, as far as they are known, for which those after it are
         estimated.
     views : ViewWishes, optional
-        Wishes for the views from which stents are told to be seen; without, as usual.
+        Wishes for the views in which stents are shown; without, the usual ones.
     sdfstent_version : str
         Version of the program that made the plan.
     """

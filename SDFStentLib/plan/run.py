@@ -45,7 +45,7 @@ from .plan import Plan
 
 
 def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> FlowModel:
-    """A vessel before treatment as a network; `frame`, of the vessel, may tell where right is.
+    """A vessel before treatment as a network; `frame`, of the vessel, may define the right side.
 
     Raises
     ------

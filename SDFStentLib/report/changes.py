@@ -32,7 +32,7 @@ _TRIANGLES = {
     "degenerate_triangles": "have no height",
     "sliver_triangles": "have an angle below 1 degree, which is no fault",
 }
-"""Words for faulty triangles by their keys, in the order in which they are told."""
+"""Words for faulty triangles by their keys, in the order of a report."""
 
 
 def input_facts(result: PlanResult) -> list[Facts]:

@@ -14,9 +14,9 @@ import numpy as np
 from .words import UNKNOWN, millimeters, number_text
 
 GLANCE, COMPARED, LINES, DETAILS = LEVELS = range(4)
-"""Levels by where a fact is told first: at a glance, on tiles and beside the stent; in the
-comparison of plans; in the lines of shell and panel; in the report only. It is told in all later
-places."""
+"""Levels by where a fact first appears: at a glance, on tiles and beside the stent; in the
+comparison of plans; in the lines of shell and panel; in the report only. Later places have it,
+too."""
 
 
 class Tile(NamedTuple):
@@ -79,7 +79,7 @@ class Fact(NamedTuple):
 
     @property
     def is_known(self) -> bool:
-        """Whether it has a value to tell."""
+        """Whether it has a known value."""
         return {self.was, self.words} != {UNKNOWN}
 
     @property
@@ -179,7 +179,7 @@ class Facts(tuple[Fact, ...]):
 
 
 LISTED = 4
-"""The most stents, lesions and branches that are listed; of more the number is told."""
+"""The most stents, lesions and branches that are listed; of more the number is given."""
 
 
 def listed(words: Sequence[str], between: str = ", ") -> str:

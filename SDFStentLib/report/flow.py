@@ -258,7 +258,7 @@ def _held(known: Section) -> str:
 
 
 def _shares(states: Sequence[Section], held: str) -> Iterator[Fact]:
-    """Facts on the division of flow; the side that gains most is told first, unless the split is
+    """Facts on the division of flow; the side that gains most comes first, unless the split is
     `held`: as much before as after, whatever the stent does."""
     facts, note = [], held and f", {held}"
     for side in states[0]:
@@ -273,7 +273,7 @@ def _shares(states: Sequence[Section], held: str) -> Iterator[Fact]:
 
 
 def _drop(name: str, states: Sequence[Section]) -> Fact:
-    """The drop over a narrowing; that of a stent is told first."""
+    """The drop over a narrowing; that of a stent comes first."""
     kinds = {kind: _each(states, f"{kind}_mmhg") for kind in ("recovered", "maximal")}
     told: dict[str, Any] = {"short": "drop", "tile": "Pressure drop", "worst": max}
     if name.startswith("stent ") and len(states) > 1:

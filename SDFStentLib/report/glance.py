@@ -208,7 +208,7 @@ def result_tiles(
 
 
 def _worst(facts: Iterable[Fact]) -> Iterator[Fact]:
-    """Worst fact of all stents for every one that is told first; NaN is worse than any."""
+    """Worst fact of all stents for every one at a glance; NaN is worse than any."""
     alike: dict[str, list[Fact]] = {}
     for one in facts:
         alike.setdefault(one.tile or one.label, []).append(one)

@@ -47,7 +47,7 @@ def stent_facts(
     lesions : sequence of TreatedLesion or None
         Lesions of the vessel; None where none were looked for.
     units, frame : str
-        Unit and frame of the surface's file, in which its ends are told, too.
+        Unit and frame of the surface's file, in which its ends are given, too.
     """
     covered = [one for one in lesions or () if treated.number in one.stents]
     ratios = treated_ratios(treated, lesions)

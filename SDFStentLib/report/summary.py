@@ -114,7 +114,7 @@ def stent_lines(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) ->
 
 
 def _at_a_glance(stents: Sequence[Facts], are_several: bool) -> Iterator[str]:
-    """Lines on all stents, one per fact that is told first."""
+    """Lines on all stents, one per fact at a glance."""
     for label in dict.fromkeys(fact.label for one in stents for fact in one.at(GLANCE)):
         found = {
             one.value("number"): fact.change
@@ -176,7 +176,7 @@ def outcome_facts(
     Parameters
     ----------
     stents : sequence of TreatedStent
-        At least one: those of which is told.
+        At least one: those to summarize.
     lesions : sequence of TreatedLesion or None
         Lesions of the vessel; None where none were looked for.
     every : sequence of TreatedStent

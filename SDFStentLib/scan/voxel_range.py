@@ -1,7 +1,7 @@
 """Effect of half a voxel on the numbers of a vessel that was made of a scan.
 
 The wall is moved in and out along its normals by half a voxel. Lesions are measured again on both
-walls, and stents deployed in both: no formula tells how far a number is off.
+walls, and stents deployed in both: no formula gives the error of a number.
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ def prepare(
     cut : Cut
     wishes : Wishes
     tell : callable, optional
-        Is told which part of the work is done, and what comes next.
+        Called with the part of the work that is done, and the next step.
     solve : callable, optional
         As of `FlowModel.answer`.
 

@@ -121,7 +121,7 @@ def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Iterator[Remeshed]
         MMG is not installed.
     DeploymentError
         It fails, or in all ways crosses itself or leaves the wall by more than the tolerance;
-        coarser meshes may leave it, and tell so.
+        coarser meshes may leave it, and say so.
     """
     old, none = segment.surface, np.zeros((0, 4), np.int64)
     is_wall = np.isin(segment.face_ids, [*segment.walls])

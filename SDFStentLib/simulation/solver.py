@@ -46,7 +46,7 @@ def solve_cases(folder: Path, tell: Callable[[float, str], None]) -> None:
     ----------
     folder : Path
     tell : callable
-        Is told which part of the cases is done, and which comes next.
+        Called with the part of the cases that is done, and the next case.
 
     Raises
     ------

@@ -35,7 +35,7 @@ from .shape import DiametersAlong
 from .stent import Stent
 
 FAR = 0.5
-"""Distance to the centerline that a caution tells, in local inscribed radii."""
+"""Distance to the centerline from which on a caution is given, in local inscribed radii."""
 
 FAR_UNKNOWN = 2.0
 """The same where the radius is unknown, mm."""
@@ -85,8 +85,8 @@ LENGTH_TOLERANCE = 1e-6
 """Lengths that differ by less than this are the same, mm."""
 
 NOTICEABLE = 0.1
-"""Least loss of length that a caution tells, mm: lengths are told to a tenth, so that whatever is
-lost beyond it can be read from them."""
+"""Least loss of length with a caution, mm: lengths are given to a tenth, so that whatever is lost
+beyond it can be read from them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +161,7 @@ def stent_axis(
     Returns
     -------
     StentAxis
-        At the density of the centerline. Its warnings tell where the stent was shortened, which
+        At the density of the centerline. Its warnings say where the stent was shortened, which
         branch was followed, and whether it bends more than it can.
 
     Raises

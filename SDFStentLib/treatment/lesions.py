@@ -16,7 +16,7 @@ from .placing import NOTICED, uncovered_length
 from .value import PlacedStent, TreatedStent
 
 _LEAST_LEFT = 0.5
-"""Percent, by diameter or by area; less is told as 0 %, or as wider than the reference."""
+"""Percent, by diameter or by area; less is reported as 0 %, or as wider than the reference."""
 
 
 @dataclass(frozen=True)

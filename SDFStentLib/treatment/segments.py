@@ -42,7 +42,7 @@ class SegmentWishes(NamedTuple):
     """Whether an end where no plane meets only this vessel moves into the segment, as far as it
     takes; a warning says so."""
     units: str = "mm"
-    """Unit of the vessel's file, in which sentences tell places, too."""
+    """Unit of the vessel's file, in which sentences give places, too."""
 
 
 @dataclass(frozen=True)

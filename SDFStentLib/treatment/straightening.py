@@ -96,7 +96,7 @@ def axis_in_vessel(
 ) -> StentAxis:
     """The axis of a stent, smoothed and straightened as asked for, as far as the vessel permits.
 
-    Parameters and errors as for `stent_axis`; a warning tells where less than asked for was used.
+    Parameters and errors as for `stent_axis`; a warning says where less than asked for was used.
     The vessel is given as its lumen where many axes are asked for. `InputError` for points of the
     placement outside of it.
     """

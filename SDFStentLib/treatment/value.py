@@ -78,7 +78,7 @@ class PlacedStent:
     stent: Stent
     axis: StentAxis
     row: int = field(default=0, kw_only=True)
-    """Row for whoever reads of it, from 1: its number in the plan, unless told otherwise."""
+    """Row for whoever reads of it, from 1: by default its number in the plan."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "row", self.row or self.number)

@@ -22,7 +22,7 @@ def branch_names(
     faces: NamedFaces | None = None,
     given: Sequence[str | None] = (),
 ) -> tuple[str, ...]:
-    """A name for every branch, as `find_ostia` calls those whose ends the faces tell.
+    """A name for every branch, as `find_ostia` calls those that lead to known faces.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def branch_names(
     faces : NamedFaces, optional
         Faces of the surface.
     given : sequence of str or None
-        Names by the user, by branch, as `given_names` tells; they come first.
+        Names by the user, by branch, as of `given_names`; they come first.
 
     Returns
     -------

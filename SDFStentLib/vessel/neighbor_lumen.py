@@ -113,7 +113,7 @@ class NeighborStations:
         mm, and unit directions of the ways.
     outside : (2, n) bool array
         Whether they lie out of the vessel before any stent and after all, such as on a cap at the
-        end of a way, or where a wall was moved past them: no sphere there tells of this lumen.
+        end of a way, or where a wall was moved past them: no sphere there measures this lumen.
     """
 
     points: Points

@@ -224,7 +224,7 @@ def _diameter(ostium: Ostium) -> float:
 
 
 def _faces_of_wall(tube: Tube, faces: NamedFaces | None) -> set[int]:
-    """Ids on the wall of the vessel itself: they tell no branch from another."""
+    """Ids on the wall of the vessel itself: they distinguish no branches."""
     if faces is None:
         return set()
     own = tube.wall.triangle[~tube.is_open & (tube.wall.triangle >= 0)]

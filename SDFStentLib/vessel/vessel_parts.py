@@ -35,7 +35,7 @@ class VesselParts(NamedTuple):
     """(k, 3) middles of flat caps and open ends, mm."""
     branch_names: tuple[str, ...]
     units: str = "mm"
-    """Unit of the surface's file, in which places are told, too."""
+    """Unit of the surface's file, in which places are given, too."""
 
     def branch_name(self, place: Location) -> str:
         """The name of the branch of the centerline at a place."""

@@ -24,8 +24,8 @@ APART = 60.0
 """Degrees between the two views of a biplane, at least."""
 
 AS_GOOD = 0.01
-"""Share by which views count as equal, as they are told to the percent; of such the least steep is
-taken."""
+"""Share by which views count as equal, as they are reported to the percent; of such the least steep
+is taken."""
 
 
 class SeenView(NamedTuple):

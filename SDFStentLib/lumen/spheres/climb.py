@@ -41,7 +41,7 @@ _TOGETHER = 800
 """Stations of about one size that are searched roughly together: every step costs something."""
 
 _ON_WALL = 1e-9
-"""Distance to the wall, mm, below which an axis point lies on it: rounding tells no direction."""
+"""Distance to the wall, mm, below which an axis point lies on it: rounding leaves no direction."""
 
 
 class InscribedSpheres(NamedTuple):

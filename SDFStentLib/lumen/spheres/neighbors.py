@@ -4,7 +4,7 @@ A climb ends at a local maximum; in a pocket of a rough or folded wall that is n
 lumen. A neighbor's sphere cuts the plane of a station in a disk without wall, and round the foot of
 its center there is as much room as the plane leaves of it. Where the disks from before and behind
 meet, the lumen runs through there; a station whose sphere is smaller than both sides tell is stuck.
-One side alone tells nothing: at an ostium it is the parent vessel's.
+One side alone proves nothing: at an ostium it is the parent vessel's.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Room(NamedTuple):
     places: Points
     """(n, 3) feet of their centers,"""
     radii: Floats
-    """(n,) least radius of a sphere there, mm; 0 where they tell nothing."""
+    """(n,) least radius of a sphere there, mm; 0 where they give none."""
     disks: Floats
     """(n,) radius of the disk round there that holds no wall, mm."""
 

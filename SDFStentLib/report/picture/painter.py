@@ -33,7 +33,7 @@ from .shapes import Panel
 from .view import BOTTOM, HEIGHT, TOP
 
 LAYERS = 8
-"""Number of walls in front of each other that are told apart."""
+"""Number of walls in front of each other that are drawn apart."""
 
 STEEL = (0.30, 0.34, 0.40)
 
