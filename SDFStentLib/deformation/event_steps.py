@@ -46,7 +46,7 @@ ERROR_SHARE = 0.25
 
 These are the mean rate over the contact times and the trapezoid of both ends. An estimate, no
 bound: a quarter of the largest difference of all steps was above the measured distance to the
-converged limit in all cases of the table in `docs/method.md` but for one point of a preview.
+converged limit in all cases behind the figures of `docs/method.md` but for one point of a preview.
 """
 
 SHORTEST_STEP = 0.1
