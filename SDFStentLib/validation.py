@@ -133,7 +133,7 @@ def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> P
 
 
 def as_patient_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> Points:
-    """Coordinates as from `as_points`, up to a kilometer; raises `InputError` otherwise."""
+    """Points (n, 3) as from `as_points`, up to a kilometer; raises `InputError` otherwise."""
     points = as_points(values, name, minimum=minimum)
     largest = np.abs(points).max(initial=0.0)
     if largest > LARGEST_COORDINATE:

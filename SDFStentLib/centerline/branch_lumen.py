@@ -66,8 +66,7 @@ def lumens_of(
 def branch_of_points(
     lumens: Sequence[BranchLumen], branches: Sequence[Indices], arc_length: Floats
 ) -> Indices:
-    """Index into the branches for every point of a tree; the next branch where one
-    has no length."""
+    """Index (n,) into the branches for a tree's points; the next branch where one has no length."""
     found = np.full(len(arc_length), -1)
     for lumen in lumens:
         found[branches[lumen.branch][1:]] = lumen.branch

@@ -130,22 +130,22 @@ class Centerline:
 
     @property
     def roots(self) -> Indices:
-        """Points without parent, the proximal ends."""
+        """Indices (r,) of points without parent, the proximal ends."""
         return np.flatnonzero(self.parent < 0)
 
     @property
     def leaves(self) -> Indices:
-        """Points without children, the distal ends."""
+        """Indices (l,) of points without children, the distal ends."""
         return np.flatnonzero(self._child_counts == 0)
 
     @property
     def junctions(self) -> Indices:
-        """Points with more than one child."""
+        """Indices (j,) of points with more than one child."""
         return np.flatnonzero(self._child_counts > 1)
 
     @cached_property
     def arc_length(self) -> Floats:
-        """Arc length from the root for every point, mm."""
+        """Arc length (n,) from the root for every point, mm."""
         steps = self.points - self.points[self.parent]
         steps[self.parent < 0] = 0.0
         return read_only(sums_to_root(self.parent, np.linalg.norm(steps, axis=1)))
@@ -160,7 +160,7 @@ class Centerline:
         return np.bincount(self.parent[self.parent >= 0], minlength=len(self.parent))
 
     def children(self, index: int) -> Indices:
-        """Points whose parent is `index`."""
+        """Indices (c,) of points whose parent is `index`."""
         return np.array([n for n in self.neighbors.of(index) if self.parent[n] == index], dtype=int)
 
     @cached_property
@@ -169,7 +169,7 @@ class Centerline:
         return neighbor_table(self.parent)
 
     def ancestry(self, index: int) -> Indices:
-        """The points from the root down to `index`, both included."""
+        """Indices (k,) of the points from the root down to `index`, both included."""
         return ancestry_of(self.parent, index, self._run_starts)
 
     @cached_property

@@ -45,11 +45,11 @@ class LineGraph(NamedTuple):
     edges: Indices
 
     def degrees(self) -> Indices:
-        """Number of edges at each node."""
+        """Number (n,) of edges at each node."""
         return np.bincount(self.edges.ravel(), minlength=len(self.points))
 
     def edge_lengths(self) -> Floats:
-        """Length of each edge, mm."""
+        """Length (m,) of each edge, mm."""
         return np.linalg.norm(self.points[self.edges[:, 0]] - self.points[self.edges[:, 1]], axis=1)
 
     def extent(self) -> float:
@@ -69,7 +69,7 @@ class LineGraph(NamedTuple):
         return csr_matrix((self.edge_lengths(), (self.edges[:, 0], self.edges[:, 1])), shape)
 
     def component_labels(self) -> Indices:
-        """Number of the connected piece of every node."""
+        """Number (n,) of the connected piece of every node."""
         return component_labels(len(self.points), self.edges[:, 0], self.edges[:, 1])
 
     def with_edges(self, more: Indices) -> LineGraph:
@@ -105,7 +105,7 @@ class LineGraph(NamedTuple):
         return feet, mixed_radius(self.radius[starts], self.radius[ends], fractions)
 
     def end_at(self, edges: Indices, fractions: Floats) -> Indices:
-        """The end of the edge with which a point on it coincides; -1 for a point in between."""
+        """End (k,) of the edge with which a point on it coincides; -1 for a point in between."""
         ends = self.edges[edges, (fractions >= 0.5).astype(np.int64)]
         to_end = np.minimum(fractions, 1.0 - fractions) * self.edge_lengths()[edges]
         return np.where(to_end <= WELD_EXTENT * self.extent(), ends, -1)
@@ -124,7 +124,7 @@ def half_edges(edges: Indices, count: int) -> NeighborTable:
 
 
 def reach_of(graph: LineGraph, fraction: float, extent_fraction: float) -> Floats:
-    """A fraction of the radius of every node, or of the extent where that is unknown, mm."""
+    """Fraction (n,) of every node's radius, or of the extent where that is unknown, mm."""
     known = fraction * graph.radius
     return np.where(np.isnan(known), extent_fraction * graph.extent(), known)
 
@@ -199,7 +199,7 @@ def split_edges(
     nodes: Indices,
     without: Indices | tuple[int, ...] = (),
 ) -> Indices:
-    """The edges with nodes inserted into some of them, at fractions counted from their first end.
+    """Edges (m, 2) with nodes inserted into some, at fractions counted from their first end.
 
     Edge `which[i]` gets `nodes[i]` at `fractions[i]`; the edges `without` are left out.
     """

@@ -25,7 +25,7 @@ class PointTree(NamedTuple):
 
 
 def as_radii(values: ArrayLike | None, count: int) -> Floats:
-    """Inscribed radius per point; NaN where it is missing, not finite or not positive.
+    """Inscribed radius (n,) per point; NaN where it is missing, not finite or not positive.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def as_radii(values: ArrayLike | None, count: int) -> Floats:
 
 
 def as_parents(values: ArrayLike, count: int) -> Indices:
-    """Parent of each point, -1 at a root.
+    """Parent (n,) of each point, -1 at a root.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def as_parents(values: ArrayLike, count: int) -> Indices:
 
 
 def as_loops(values: ArrayLike, count: int) -> Indices:
-    """Pairs of points between which lines close a loop; `InputError` unless they exist."""
+    """Pairs (k, 2) of points between which lines close a loop; `InputError` unless they exist."""
     loops = np.asarray(values)
     is_fit = loops.ndim == 2 and loops.shape[1:] == (2,) and loops.dtype.kind in "iu"
     if not is_fit or (loops.size and not 0 <= loops.min() <= loops.max() < count):
@@ -91,7 +91,7 @@ def as_loops(values: ArrayLike, count: int) -> Indices:
 
 
 def sums_to_root(parent: Indices, values: Floats) -> Floats:
-    """Sum of the values from the root down to each point, both included."""
+    """Sums (n,) of the values from the root down to each point, both included."""
     sums, above = values.copy(), parent.copy()
     # Ends: parents are checked for circles, so that everything comes to a root.
     while (above >= 0).any():
@@ -106,8 +106,8 @@ def run_starts(parent: Indices) -> Indices:
 
 
 def ancestry_of(parent: Indices, index: int, starts: Indices | None = None) -> Indices:
-    """The points from the root down to `index`, both included; `starts` are
-    `run_starts` if known."""
+    """Indices (k,) from the root down to `index`, both included; `starts` are `run_starts` if
+    known."""
     # Most points come right after their parents: such runs are taken as a whole.
     starts = run_starts(parent) if starts is None else starts
     runs, last = [], int(index)
@@ -156,7 +156,7 @@ def branches_of(parent: Indices) -> tuple[Indices, ...]:
 
 
 def points_between(up: Indices, down: Indices) -> Indices | None:
-    """The points passed on the way from one place to another, from the ancestries of both.
+    """Points (k,) passed on the way from one place to another, from the ancestries of both.
 
     A place lies on the segment that leads to a point from its parent; the ancestry is that of the
     point. Places on one segment have no point between; None when the roots differ.
@@ -176,7 +176,7 @@ def points_between(up: Indices, down: Indices) -> Indices | None:
 
 
 def mixed_radius(first: ArrayLike, second: ArrayLike, fraction: ArrayLike) -> Floats:
-    """Radius interpolated linearly between two; the known one where only one is known."""
+    """Radii interpolated linearly between two arrays; the known one where only one is known."""
     first, second, fraction = np.asarray(first), np.asarray(second), np.asarray(fraction)
     mean = (1.0 - fraction) * first + fraction * second
     return np.where(np.isnan(first), second, np.where(np.isnan(second), first, mean))

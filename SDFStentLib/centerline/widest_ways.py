@@ -92,7 +92,7 @@ class WidestWays:
         return list(_parted(self.inlet, children, self._widths(children)))
 
     def meetings(self) -> Indices:
-        """`limbs_met` of these ways."""
+        """Pairs (j, 2) of balls, `limbs_met` of these ways."""
         return limbs_met(self.balls, self._former)
 
     def _widths(self, children: dict[int, list[int]]) -> dict[int, float]:

@@ -60,12 +60,12 @@ class Verdict(NamedTuple):
 
     @property
     def failing(self) -> Indices:
-        """The faces with any new fault, ascending."""
+        """Indices (k,) of the faces with any new fault, ascending."""
         return united(self.new_self_intersecting, self.new_inverted, self.new_degenerate)
 
 
 def united(*kinds: Indices) -> Indices:
-    """Faces of several kinds, each once, ascending."""
+    """Indices (k,) of faces of several kinds, each once, ascending."""
     return np.unique(np.concatenate(kinds))
 
 
@@ -131,7 +131,8 @@ class Comparison:
         )  # fmt: skip
 
     def new_faults(self, after: Points, among: Indices) -> Indices:
-        """Faces that intersect, are turned over or have no height in a result, but did not before.
+        """Indices of faces that intersect, are turned over or lack height in a result, but not
+        before.
 
         Only the given faces and those that they meet are judged; for being turned over also those
         at their corners, because neighbors can turn a face over, too. The input is judged only

@@ -35,7 +35,8 @@ to both."""
 def degenerate_triangles(
     points: Points, triangles: Triangles, among: Indices | None = None
 ) -> Indices:
-    """Triangles without height: a corner named twice, or corners in a line within `NO_HEIGHT`.
+    """Indices (k,) of triangles without height: a corner named twice, or in a line within
+    `NO_HEIGHT`.
 
     The rounding of the coordinates counts as well: two corners at one place, or a corner on the
     opposite side, differ by the last bit of the numbers from which they were computed.

@@ -33,12 +33,12 @@ class FaceFaults(NamedTuple):
 
     @property
     def intersecting(self) -> Indices:
-        """Faces that intersect another, ascending."""
+        """Indices (k,) of faces that intersect another, ascending."""
         return np.unique(self.pairs)
 
     @property
     def faces(self) -> Indices:
-        """Indices of all faulty faces; one with several faults is repeated."""
+        """Indices (k,) of all faulty faces; one with several faults is repeated."""
         return np.concatenate([self.intersecting, self.inverted, self.degenerate])
 
 

@@ -42,17 +42,17 @@ class SurfaceCheck(JudgedSurface):
 
     @property
     def inverted_triangles(self) -> Indices:
-        """Triangles turned over against their neighborhood, ascending."""
+        """Indices (k,) of triangles turned over against their neighborhood, ascending."""
         return read_only(self.fitness.faults.inverted)
 
     @property
     def degenerate_triangles(self) -> Indices:
-        """Triangles without height, ascending."""
+        """Indices (k,) of triangles without height, ascending."""
         return read_only(self.fitness.faults.degenerate)
 
     @property
     def self_intersecting_triangles(self) -> Indices:
-        """Triangles that cross, touch or cover another one, ascending."""
+        """Indices (k,) of triangles that cross, touch or cover another one, ascending."""
         return read_only(self.fitness.faults.intersecting)
 
     @property
@@ -62,7 +62,8 @@ class SurfaceCheck(JudgedSurface):
 
     @property
     def flipped_triangles(self) -> Indices:
-        """Triangles wound against their neighbors, ascending: the fewer of each part."""
+        """Indices (k,) of triangles wound against their neighbors, ascending: the fewer of each
+        part."""
         return read_only(self.fitness.flipped_triangles)
 
     @property

@@ -55,7 +55,7 @@ TALK = """\
 
 
 def number(text: str) -> float:
-    """A word as a number."""
+    """Number in a word."""
     try:
         return float(text)
     except ValueError:

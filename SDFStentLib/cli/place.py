@@ -223,7 +223,7 @@ def ends_of(options: argparse.Namespace) -> tuple[NDArray[np.float64], NDArray[n
 
 
 def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:
-    """The point near the root of the centerline, mm, where one was given."""
+    """Point (3,) near the root of the centerline, mm, where one was given."""
     return None if options.root is None else in_mm(options.root, options.units, "--root")
 
 
@@ -243,7 +243,7 @@ def option_of(name: str) -> str:
 
 
 def in_mm(point: Sequence[float], units: str, option: str) -> NDArray[np.float64]:
-    """A point of an option; `InputError` where it is not finite."""
+    """Point (3,) of an option in mm; `InputError` where it is not finite."""
     for value in point:
         if not abs(value) < 1e300:
             raise InputError(f"{option}: expected three finite numbers, got {value}; correct it.")

@@ -70,13 +70,14 @@ class ContactSet:
             self.nearest[waiting[near]] = held[nearest[near]]
 
     def waiting(self) -> NDArray[np.int64]:
-        """Points that a contact may influence and that are not in contact themselves."""
+        """Indices (k,) of points that a contact may influence and that are not in contact
+        themselves."""
         return np.flatnonzero(self._motion.resting.awake & ~self.is_held)
 
     def compared(
         self, where: NDArray[np.int64], positions: Points, growth: float
     ) -> NDArray[np.float64]:
-        """`distance`, after every point has tried the contacts of its neighbors in order."""
+        """`distance` (k,), after every point has tried the contacts of its neighbors in order."""
         nearest = self.nearest[where]
         distance = self._distance(nearest, positions, growth)
         for shift in SHIFTS:
@@ -90,7 +91,7 @@ class ContactSet:
     def distance(
         self, where: NDArray[np.int64], positions: Points, growth: float
     ) -> NDArray[np.float64]:
-        """Distance, mm, from positions of some points to the contacts they are tied to.
+        """Distance (k,), mm, from positions of some points to the contacts they are tied to.
 
         Contacts are taken where they will be after the radius has grown by `growth`; the distance
         is infinite where there is none.

@@ -193,7 +193,7 @@ def facets_compensated(
     on_stent: NDArray[np.int64],
     radius: float,
 ) -> Points:
-    """Push vertices out until the edges at the stent reach the prescribed radius.
+    """Positions (n, 3) with vertices pushed out until edges at the stent reach its radius, mm.
 
     The distance to a straight axis is convex, so a facet is nearest to it on one of its edges;
     along an edge its square is a parabola through the two ends and the middle. Every vertex moves
@@ -291,7 +291,7 @@ def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
 def stent_distance(
     motion: Motion, where: NDArray[np.int64], positions: Points, radius: float
 ) -> NDArray[np.float64]:
-    """Distance to the axis, mm, that some points would have elsewhere, as if the stent were even.
+    """Distance (k,) to the axis, mm, that points would have elsewhere, as if the stent were even.
 
     Where the stent is narrower than `radius`, the shortfall is added to the distance: so every
     place of the stent is at `radius`.

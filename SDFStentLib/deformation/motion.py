@@ -157,7 +157,7 @@ class Motion:
         return self.chain.folding.at(positions, self._near[where])
 
     def axis_distance(self, where: NDArray[Any], positions: Points) -> NDArray[np.float64]:
-        """The true distance to the axis, mm, that some points would have elsewhere."""
+        """True distance (k,) to the axis, mm, that some points would have elsewhere."""
         return self.chain.folding.axis_distance(positions, self._near[where])
 
     def advanced(self, where: NDArray[Any], amount: float | NDArray[np.float64]) -> None:

@@ -57,7 +57,7 @@ class Patch:
         )
 
     def points(self, whole: Points, active: Points) -> Points:
-        """Coordinates of the patch's vertices: the active ones as given, the rim as in the whole
+        """Vertices (v, 3) of the patch: the active ones as given, the rim as in the whole
         surface."""
         return np.concatenate([active, whole[self.vertices[self.active_count :]]])
 

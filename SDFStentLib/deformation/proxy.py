@@ -143,7 +143,7 @@ class Proxy:
         return ProxyState(state, moved.on_lumen, normals, level.spacing)
 
     def probes(self, axis: Points) -> Points:
-        """Some points of the wall, spread evenly among all its vertices, mm."""
+        """Points (k, 3) of the wall, spread evenly among all its vertices, mm."""
         return self._wall_with(axis).probes
 
     def _wall_with(self, axis: Points) -> SampledWall:

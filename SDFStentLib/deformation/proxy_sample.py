@@ -85,16 +85,18 @@ class SampledWall:
         return Near(self._step * is_near.sum(), self._step * self._shares[is_near].sum())
 
     def cells_near(self, chain: CapsuleChain, reach: float) -> Indices:
-        """Cells that hold vertices within a distance, mm, of a stent's axis, and perhaps others."""
+        """Indices (k,) of cells with vertices within a distance, mm, of a stent's axis, and of
+        others."""
         distance = chain.folding.nearest_nodes(self._centers)[1]
         return np.flatnonzero(distance < reach + self._radii)
 
     def rows_of(self, cells: Indices) -> Indices:
-        """The rows of some cells."""
+        """Rows (k,) of some cells."""
         return ranges(self.starts[cells], np.diff(self.starts)[cells])
 
     def sample(self, spacing: float) -> Indices:
-        """Rows of vertices that keep a spacing, mm, from each other and leave no room for more.
+        """Rows (k,) of vertices that keep a spacing, mm, from each other and leave no room for
+        more.
 
         Vertices of walls that face each other do not count as near.
         """
@@ -242,5 +244,5 @@ def linear_weights(offset: NDArray[np.float64], weight: NDArray[np.float64]) -> 
 
 
 def moved_rows(displacement: Points) -> Indices:
-    """Rows with a displacement other than zero."""
+    """Rows (k,) with a displacement other than zero."""
     return np.flatnonzero(dot(displacement, displacement) > 0)

@@ -165,7 +165,7 @@ def _faces_at(vertices: NDArray[np.int64], triangles: Triangles, count: int) -> 
 
 
 def grown(vertices: NDArray[np.int64], neighbors: VertexNeighbors, rings: int) -> NDArray[np.int64]:
-    """Some vertices of a surface with a number of rings of neighbors round them."""
+    """Indices (k,) of vertices together with a number of rings of neighbors round them."""
     for _ in range(rings):
         vertices = np.unique(np.concatenate([vertices, _rows(neighbors, vertices)[1]]))
     return vertices

@@ -50,7 +50,7 @@ class DeploymentState(NamedTuple):
         return NEARLY_DONE <= self.fraction < 1
 
     def applied_to(self, points: ArrayLike) -> Points:
-        """A copy of the undeformed points with this state's coordinates in their place."""
+        """Undeformed points (n, 3) with this state's coordinates in their place, mm; a copy."""
         copy = np.array(points, dtype=np.float64)
         copy[self.indices] = self.coordinates
         return copy
@@ -175,14 +175,14 @@ class DeploymentTask:
 
     @property
     def wound_triangles(self) -> Triangles:
-        """The triangles with one winding, outward or not."""
+        """Triangles (m, 3) with one winding, outward or not."""
         if self.surface.topology.is_consistently_wound:
             return self.surface.triangles
         return self.outward_triangles
 
     @cached_property
     def outward_triangles(self) -> Triangles:
-        """The triangles wound so that normals point out of the lumen, whatever the file had.
+        """Triangles (m, 3) wound so that normals point out of the lumen, whatever the file had.
 
         The signed volume decides for a closed surface in one piece; any other is turned part by
         part, open parts away from the stent axis.

@@ -134,7 +134,7 @@ class ChainField:
         return nearest, np.sqrt(np.maximum(bound - self.slack, 0)) / self.scale
 
     def lifted(self, points: Points) -> Floats:
-        """Rows x, y, z, 1 and the squared norm, in the chain's own coordinates."""
+        """Rows (5, n) x, y, z, 1 and the squared norm, in the chain's own coordinates."""
         lifted = np.empty((5, len(points)))
         np.subtract(points.T, self.center[:, None], out=lifted[:3])
         lifted[:3] *= self.scale

@@ -92,7 +92,7 @@ def fold_from_both_ends(
 
 
 def hard_minimum(distances: Floats, weights: Floats) -> Floats:
-    """Minimum over rows; writes weight 1 to the first row that has it and 0 to the others."""
+    """Minimum (n,) over rows; writes weight 1 to the first row that has it and 0 to the others."""
     weights[:] = 0
     np.put_along_axis(weights, distances.argmin(axis=0)[None], 1.0, axis=0)
     return distances.min(axis=0)

@@ -67,7 +67,7 @@ class RadiusShares:
         return share * self._cap_share(points, axis) if self.are_flattened else share
 
     def along(self, fractions: Floats) -> Floats:
-        """Shares at places given as parts of the length."""
+        """Shares (n,) at places given as parts (n,) of the length."""
         return np.interp(fractions, self.fractions, self.shares)
 
     def inscribed(self, axis: Line, radius: float, stations: Points, *, in_caps: bool) -> Floats:

@@ -43,7 +43,7 @@ def whole_numbers(values: Floats) -> Exact:
 
 
 def signs(values: Exact) -> Indices:
-    """-1, 0 or 1 of every number."""
+    """Sign of every number: -1, 0 or 1; the shape stays."""
     return (values > 0).astype(np.int64) - (values < 0).astype(np.int64)
 
 

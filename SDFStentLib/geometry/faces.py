@@ -118,7 +118,7 @@ def faces_at(vertices: NDArray[np.bool_], triangles: Triangles) -> NDArray[np.bo
 
 
 def may_meet_box(points: Points, triangles: Triangles, low: Floats, high: Floats) -> Flags:
-    """Whether triangles may meet the box: not those wholly beyond one side of it."""
+    """Mask (m,) of triangles that may meet the box: not those wholly beyond one side of it."""
     code = np.zeros(len(points), dtype=np.uint8)
     for axis in range(3):
         code |= (points[:, axis] < low[axis]).astype(np.uint8) << (2 * axis)

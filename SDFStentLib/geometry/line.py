@@ -158,7 +158,7 @@ class Line:
 
     @cached_property
     def pieces(self) -> Floats:
-        """Length of each of the n - 1 pieces, mm."""
+        """Lengths (n - 1,) of the pieces, mm."""
         return np.linalg.norm(np.diff(self.points, axis=0), axis=1)
 
     @cached_property
@@ -168,7 +168,7 @@ class Line:
 
     @cached_property
     def arc_lengths(self) -> Floats:
-        """Arc length at each of the n points, mm; 0 at the first."""
+        """Arc lengths (n,) of the points, mm; 0 at the first."""
         return read_only(np.concatenate([[0.0], np.cumsum(self.pieces)]))
 
     @cached_property

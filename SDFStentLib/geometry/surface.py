@@ -133,8 +133,8 @@ class Surface:
         return values if self.cells is None else values[self.cells]
 
     def to_given(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Rows for all triangles that were given, from rows for those of the surface; NaN or 0
-        elsewhere."""
+        """Rows (g, ...) for all triangles that were given, from rows (m, ...) for those of the
+        surface; NaN or 0 elsewhere."""
         if self.cells is None:
             return values
         fill = np.nan if values.dtype.kind == "f" else 0

@@ -85,7 +85,7 @@ def _room(offset: Points, heading: Points, radii: Floats) -> Floats:
 
 
 def heading_of(axis: Line, window: float) -> Floats:
-    """The unit direction in which a line ends, over its last `window` mm."""
+    """Unit direction (3,) in which a line ends, over its last `window` mm."""
     total = axis.length
     way = axis.points[-1] - axis.cut(max(0.0, total - window), total).points[0]
     return np.asarray(way / np.linalg.norm(way))

@@ -90,7 +90,7 @@ class LineEnds:
         self._corners = search_tree(surface.points)
 
     def widths(self, ways: Sequence[Points]) -> Floats:
-        """The widths of the vessel at some ends, mm: `Widths` for `Centerline.from_lines`.
+        """Widths (k,) of the vessel at some ends, mm: `Widths` for `Centerline.from_lines`.
 
         Those that cannot be the widest are not measured: corners of the wall are no nearer to a
         place than the wall is.

@@ -207,7 +207,7 @@ def _shared(region: Mask, hit: Indices, parts: Indices) -> list[Mask]:
 
 
 def labels_round(mask: Mask) -> Indices:
-    """Connected regions of a map that is periodic in its second direction; 0 outside.
+    """Numbers of the connected regions of a map (n, RAYS), periodic in its rays; 0 outside.
 
     Cells that meet at a corner are connected.
     """

@@ -180,8 +180,7 @@ def frames_along(axis: Line, count: int, window: float) -> Floats:
 
 
 def ray_angles() -> Floats:
-    """The angles (RAYS,) of the rays about the axis, from the first direction of the plane to the
-    second."""
+    """Angles (RAYS,) of the rays about the axis, from a plane's first direction to its second."""
     return np.arange(RAYS, dtype=np.float64) * (2 * np.pi / RAYS)
 
 

@@ -164,7 +164,7 @@ class Case:
 
 
 class CaseOutcome:
-    """Facts, lesions and cautions of a treatment in its vessel."""
+    """Lesions, residual stenosis and cautions of a treatment in its vessel."""
 
     vessel: Vessel
     treatment: TreatmentResult

@@ -95,7 +95,7 @@ class PlaneFinder:
         return bool(way.nearest(place[None]).distances[0] > self.wall.query(place)[0])
 
     def direction(self, way: Line) -> Floats:
-        """The direction of a line at its first point."""
+        """Unit direction (3,) of a line at its first point."""
         span = min(TANGENT * float(self.wall.query(way.points[0])[0]), way.length)
         at = np.linspace(0.0, max(span, SAME), 9)
         parabola = np.polyfit(at, way.at(at), 2)

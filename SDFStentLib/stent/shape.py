@@ -69,7 +69,7 @@ class DiametersAlong(NamedTuple):
         return float(self.diameters.max())
 
     def at(self, fractions: Floats) -> Floats:
-        """Diameters at some parts of the length, mm."""
+        """Diameters (n,) at parts (n,) of the length, mm."""
         return np.interp(fractions, self.fractions, self.diameters)
 
 

@@ -43,7 +43,7 @@ class TurnedWay(NamedTuple):
 
     @property
     def lengths(self) -> Floats:
-        """(n - 1,) of the pieces, mm."""
+        """Lengths (n - 1,) of the pieces, mm."""
         return norm(np.diff(self.line.points, axis=0))
 
     @property

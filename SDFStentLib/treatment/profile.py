@@ -79,5 +79,5 @@ class Stage(NamedTuple):
         return self.deployment.result
 
     def radius_at(self, arc_length: Floats) -> Floats:
-        """Radii of the stent at some arc lengths of its axis, mm."""
+        """Radii (n,) of the stent at arc lengths (n,) of its axis, mm."""
         return self.placed.prescribed(arc_length) / 2

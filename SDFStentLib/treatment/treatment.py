@@ -314,7 +314,7 @@ class Treatment:
             yield cap.caution()
 
     def _certified_with(self, certificate: Certificate | None) -> Iterator[Caution]:
-        """Cautions of a certificate that passed."""
+        """Cautions of a certificate, and of its lumen checks that passed."""
         if certificate is None:
             return
         for stage, check in zip(self._stages, certificate.lumen, strict=False):

@@ -147,7 +147,7 @@ class Vessel:
 
     @property
     def ends(self) -> Ends:
-        """Names of its ends, and which of them lines begin at, for their flow."""
+        """Names and inlets of its branches, for the flow at its ends."""
         return Ends(self.branch_names, self.given_names, self.begun)
 
     @cached_property

@@ -80,7 +80,7 @@ def healthy_caliber(run: VesselRun) -> float:
 
 
 def runs_of(chosen: Flags) -> Indices:
-    """First and last index of every run of chosen ones."""
+    """First and last index (k, 2) of every run of chosen ones."""
     edges = np.flatnonzero(np.diff(np.r_[0, chosen.astype(np.int8), 0]))
     return np.stack([edges[::2], edges[1::2] - 1], axis=1)
 

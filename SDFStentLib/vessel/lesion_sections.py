@@ -95,7 +95,7 @@ def tightest(sizes: Floats, references: Floats) -> int:
 
 
 def between_neighbors(along: Floats, first: int, last: int) -> Floats:
-    """Arc lengths between the neighbors of one of some, or of some that follow each other."""
+    """Arc lengths (k,) from the neighbor before some stations in a row to the one behind them."""
     ends = along[max(first - 1, 0)], along[min(last + 1, len(along) - 1)]
     return np.linspace(*ends, FINE_STATIONS + FINE_STATIONS // 2 * (last - first))
 

@@ -49,9 +49,7 @@ def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
 
 
 def outlets_of(tree: Centerline) -> Indices:
-    """The number of ends of the vessel to which every point of a tree leads; limbs where they meet
-    it.
-    """
+    """Number (n,) of the vessel's ends that a tree's points lead to; limbs where they meet it."""
     ends = np.setdiff1d(tree.leaves, tree.loops[:, 0])
     ways = [tree.ancestry(int(leaf)) for leaf in ends]
     found: Indices = np.bincount(np.concatenate(ways), minlength=len(tree.points))

@@ -99,7 +99,7 @@ class LocalSurface:
         self._cover(centers, radii)
 
     def chosen(self, stride: float) -> Flags:
-        """Mask of a part of the triangles that have been asked for, about one in `stride`.
+        """Mask (m,) of a part of the triangles that have been asked for, about one in `stride`.
 
         By where they are alone: a triangle is chosen or not whatever else has been asked for, in
         whatever order a file has them, in single precision, and turned from LPS to RAS. Else as if

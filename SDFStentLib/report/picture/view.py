@@ -48,7 +48,7 @@ class Viewpoint(NamedTuple):
 
     @property
     def per_mm(self) -> float:
-        """Pixels."""
+        """Scale of the picture, pixels/mm."""
         return (BOTTOM - TOP) / 2 / self.half_height
 
     def pixels(self, points: Points) -> Floats:
