@@ -65,7 +65,7 @@ def build(page: Any) -> None:
 
 
 def _read(name: str) -> str:
-    """A file that the browser gets."""
+    """Text of a file for the browser."""
     return (HERE / name).read_text(encoding="utf-8")
 
 

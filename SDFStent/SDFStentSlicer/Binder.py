@@ -200,7 +200,7 @@ KINDS = {
     "readOnly": OfText,
     "text": OfLabel,
 }
-"""Kinds by a property that no other widget has, except those further up."""
+"""Kinds of bound widgets, by a property that no widget of the kinds below has."""
 
 
 def boundTo(widget, path):

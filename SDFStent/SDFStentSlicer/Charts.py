@@ -55,7 +55,7 @@ def _fillExactly(node, columns):
 
 
 def _fillTexts(node, columns):
-    """Empty where nothing is known."""
+    """Fill a table's texts; empty where nothing is known."""
     node.RemoveAllColumns()
     for title, values in columns.items():
         texts = vtkStringArray()

@@ -209,7 +209,7 @@ def _misfits(surface, lines, vesselName, name):
 
 
 def _endOfSlider(size):
-    """The whole millimeters that hold a size."""
+    """Whole millimeters that hold a size."""
     return float(np.ceil(np.round(size, 3)))  # a transform leaves some digits more
 
 

@@ -88,7 +88,6 @@ class ViewSection(VTKObservationMixin):
         return None if wishes is None else wishes.view
 
     def _watch(self):
-        """Watch the present camera."""
         camera = Camera.first()
         if camera is not self._camera:
             self.removeObservers()

@@ -277,7 +277,7 @@ class _PlanJob:
 
     @cached_property
     def _views(self) -> PlannedViews:
-        """Worked out once for all reports."""
+        """Views of the stents, worked out once for all reports."""
         return planned_views(self._result, hides_device=self.options.hide_device)
 
     @cached_property

@@ -118,7 +118,6 @@ def _read(options: argparse.Namespace, plan: Plan | None) -> InputFiles:
 
 
 def _deployed(plan: Plan, inputs: InputFiles, console: Console) -> TreatmentResult:
-    """The result of carrying out a plan."""
     treatment = treatment_of(plan, inputs)
     with console.progress("Deploying") as show:
         for state in treatment:

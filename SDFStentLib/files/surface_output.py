@@ -256,7 +256,7 @@ def refresh_normals(
 
 
 def _normals_arrays(data: vtkDataSetAttributes) -> list[NDArray[Any]]:
-    """Views on the arrays that hold normals."""
+    """Arrays that hold normals, as views on them."""
     active = data.GetNormals()
     found = []
     for index in range(data.GetNumberOfArrays()):

@@ -217,7 +217,6 @@ class FlowModel:
         return self._seen([case.network for case in self._cases])
 
     def _after(self, channels: Sequence[Channel]) -> SeenFlow:
-        """Flow with the channels after treatment."""
         widths = widths_of(channels, (self._tree_channels, self._tree_widths))
         channels, widths = self._course.along(channels, widths)
         each = [case.network for case in self._cases]

@@ -39,7 +39,6 @@ def joined_limbs(
 
 
 def _ending_at(stretches: Sequence[LumenStretch], tree: Centerline, leaf: int) -> int | None:
-    """The stretch that ends at a leaf."""
     branch = next(k for k, nodes in enumerate(tree.branches) if nodes[-1] == leaf)
     inner = {one.above for one in stretches}
     ending = (k for k, one in enumerate(stretches) if k not in inner and one.branch[-1] == branch)

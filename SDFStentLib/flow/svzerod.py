@@ -133,7 +133,6 @@ def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple
 
 
 def _inflows(tree: Tree) -> list[str]:
-    """Names of the inflows at the inlets."""
     return [f"INFLOW{number or ''}" for number in range(len(tree.inlets))]
 
 

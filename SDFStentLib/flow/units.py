@@ -118,7 +118,7 @@ def _parts(text: str) -> tuple[str, str]:
 
 
 def _plain(text: str) -> str:
-    """Lower case, with units as quotients."""
+    """Text in lower case, with units as quotients."""
     plain = text.strip().lower().translate(_SIGNS)
     for written, quotient in _PER:
         plain = written.sub(quotient, plain)
@@ -126,5 +126,5 @@ def _plain(text: str) -> str:
 
 
 def _words(header: str) -> list[str]:
-    """Letters and digits between anything else."""
+    """Words of a header: letters and digits between anything else."""
     return re.findall(r"[^\W_]+", _plain(header))

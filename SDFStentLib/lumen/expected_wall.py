@@ -30,7 +30,7 @@ LONGEST = 6.0
 """Length along the vessel, in its radii, that an opening does not reach,"""
 
 WIDEST = 240.0
-"""or share of its circumference that it does not reach then, degrees."""
+"""or part of its circumference that it does not reach, degrees."""
 
 SPACING = 0.5
 """Distance of the stations, mm; less in a narrow vessel."""

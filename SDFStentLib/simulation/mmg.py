@@ -105,7 +105,7 @@ def _program(name: str) -> str:
 
 
 def _write(path: Path, mesh: MeditMesh) -> None:
-    """Indices count from 1 there."""
+    """Write a mesh for MMG, whose indices count from 1."""
     count = len(mesh.points)
     rows = [f"Vertices\n{count}"]
     rows += [f"{x!r} {y!r} {z!r} 0" for x, y, z in mesh.points.tolist()]

@@ -84,7 +84,7 @@ def solve_cases(folder: Path, tell: Callable[[float, str], None]) -> None:
 
 
 def _last(folder: Path) -> str:
-    """The case that was begun last."""
+    """Name of the case begun last; empty without one."""
     begun = [name for name in CASES.values() if (folder / name / LOG).exists()]
     return begun[-1] if begun else ""
 

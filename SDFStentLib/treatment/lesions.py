@@ -1,4 +1,4 @@
-"""Lesions after stenting."""
+"""Lesions before and after stenting, and the residual stenosis."""
 
 from __future__ import annotations
 

@@ -161,14 +161,14 @@ def _without_line(segment: Segment, planes: Sequence[CutPlane]) -> Iterator[Caut
 
 
 def _moved_ends(ends: SegmentEnds) -> Iterator[Caution]:
-    """Ends that lie elsewhere than was wanted."""
+    """Cautions on ends that lie elsewhere than wanted."""
     for word, by, plane in zip(("start", "end"), ends.moved, ends.opened.planes, strict=False):
         if by > 0:
             yield Caution("end-moved", {"end": word, "distance_mm": by}, as_place(plane.origin))
 
 
 def _holes(segment: Segment) -> Iterator[Caution]:
-    """Openings of the wall that were closed."""
+    """Cautions on openings of the wall that were closed."""
     for face in segment.faces:
         if face.name.split("_")[0] == HOLE:
             width = 2 * float(np.sqrt(face.area / np.pi))

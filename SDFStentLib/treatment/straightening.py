@@ -66,7 +66,7 @@ ROUNDS = 64
 """Steps toward the goal. Each is proven to stay in the lumen, so that stopping early is safe."""
 
 NOTICEABLE = 1e-3
-"""Missing share of the way from which on a caution is given."""
+"""Share, of a way or of a radius, below which a difference does not count."""
 
 
 class AxisChange(NamedTuple):
