@@ -43,13 +43,9 @@ REGAINED = 0.5
 """Share of what a narrowing loses, on the side where it becomes wider least, that healthy vessel
 has regained: the valley between two throats has less."""
 
-GENTLE = 0.7
-"""Share of the steepest slope of its flank below which a shoulder slopes: a flank is straight, and
-healthy vessels taper."""
-
 SETTLED = 0.02
-"""Share of that slope by which a shoulder becomes less steep over its length at most; what does so
-by more is flank yet. Bells of up to 95 % are measured against healthy vessel to 1 %."""
+"""Share of its flank's steepest slope by which a shoulder becomes less steep beyond at most; what
+does so by more is flank yet. Bells of up to 95 % are measured against healthy vessel to 1 %."""
 
 EDGE_DEGREE = 0.10
 """A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
@@ -145,7 +141,7 @@ def _narrowing(
     run: VesselRun, caliber: Caliber, at: int, eased: float, own: tuple[float, float]
 ) -> Narrowing | None:
     """The narrowing with a minimum, if that persists and lies in the vessel itself."""
-    reference = _reference(run, caliber, at, eased, own[0])
+    reference = _reference(run, caliber, at, eased, own)
     if reference is None:
         return None
     along, diameter, _, _ = caliber
@@ -166,10 +162,10 @@ def _narrowing(
 
 
 def _reference(
-    run: VesselRun, caliber: Caliber, at: int, eased: float, begins: float
+    run: VesselRun, caliber: Caliber, at: int, eased: float, own: tuple[float, float]
 ) -> Reference | None:
     """The healthy vessel about a minimum; None where that does not persist."""
-    narrow = float(caliber.diameter[at])
+    narrow, begins = float(caliber.diameter[at]), own[0]
     widest, smallest = _again(caliber, at, begins, eased)
     is_ostial = run.parent >= 0
     is_one_sided = is_ostial and narrow > (1 - smallest + eased) * widest
@@ -179,11 +175,11 @@ def _reference(
     if narrow > (1 - smallest + eased) * widest:
         return _alone(run, narrow, eased)
     least = narrow + REGAINED * (widest - narrow)
-    after = _healthy(caliber, at, 1, least)
+    after = _healthy(caliber, at, 1, least, own[1])
     if after is not None and is_ostial:
         # What is narrower than the vessel that it feeds may be a throat at the ostium.
         least = max(least, narrow + REGAINED * (after.diameter - narrow))
-    before = None if is_one_sided else _healthy(caliber, at, -1, least)
+    before = None if is_one_sided else _healthy(caliber, at, -1, least, own[0])
     if is_ostial and before is None:
         # What is wider again toward the ostium is its funnel only.
         beyond = widest if is_one_sided else _widest(caliber, at, 1)
@@ -266,24 +262,29 @@ def _one_sided(caliber: Caliber, at: int, way: int) -> float:
     return float(diameter[0]) if is_focal else widest
 
 
-def _healthy(caliber: Caliber, at: int, way: int, least: float) -> Plateau | None:
-    """The shoulder of a minimum: the first part as wide as that, much less steep than before."""
+def _healthy(caliber: Caliber, at: int, way: int, least: float, junction: float) -> Plateau | None:
+    """The shoulder of a minimum: the first part as wide as that where its flank has settled.
+
+    What follows is hardly less steep, in this vessel over as far as the minimum is away: rough
+    flanks have steps.
+    """
     away, diameter, kept = _side(caliber, at, way)
     is_cut = caliber.is_cut[way > 0]
     last = np.searchsorted(away, away + KEPT * kept, side="right")
     tops = np.array([kept[first:end].max() for first, end in enumerate(last.tolist())])
     rise = np.divide(tops, kept, out=np.ones(len(kept)), where=kept > 0) - 1
     steepest = np.maximum.accumulate(rise)
+    own = abs(junction - float(caliber.along[at]))
+    beyond = np.where(away < own, np.minimum(2 * away, own), 2 * away)
+    as_far = np.maximum(last, np.searchsorted(away, beyond, side="right")).tolist()
     for first in np.flatnonzero(kept >= least).tolist():
         part = slice(first, last[first])
         if last[first] == len(away) and not is_cut and np.ptp(away[part]) < KEPT * kept[first]:
             return None
-        is_gentle = rise[first] <= min(
-            GENTLE * steepest[first], rise[part].min() + SETTLED * steepest[first]
-        )
+        is_settled = rise[first] <= rise[first : as_far[first]].min() + SETTLED * steepest[first]
         usual = float(np.quantile(diameter[part], USUAL))
         # What is wider than that slopes: the funnel of a junction.
-        if is_gentle and (1 - EDGE_DEGREE) * usual <= tops[first]:
+        if is_settled and (1 - EDGE_DEGREE) * usual <= tops[first]:
             middle = (away[first] + away[last[first] - 1]) / 2
             return Plateau(float(caliber.along[at] + way * middle), usual)
     return None
