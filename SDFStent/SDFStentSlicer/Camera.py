@@ -49,7 +49,7 @@ def look(camera, middle, axes, size):
 
 
 class FilmNode:
-    """One of the library's films at a time, shown in front of all that the camera sees: nothing else is to be taken for a part of it."""
+    """Node of one film of the library at a time, in front of all that the camera sees: nothing else is to be taken for a part of it."""
 
     def __init__(self):
         self._node = self._film = None
