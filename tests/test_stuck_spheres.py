@@ -21,7 +21,7 @@ from benchmarks.phantoms.mesh import swept_tube
 from benchmarks.phantoms.value import assembled
 from benchmarks.trees.surface import Wall
 from benchmarks.trees.truth import Spheres
-from SDFStentLib.geometry import Line, Surface
+from SDFStentLib.geometry import Line, Surface, across
 from SDFStentLib.lumen import (
     LocalSurface,
     diameter_profile,
@@ -29,6 +29,7 @@ from SDFStentLib.lumen import (
     widest_passing,
     with_own_spheres,
 )
+from SDFStentLib.lumen.spheres.climb import InscribedSpheres, Until, climbed, exact_spheres
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.vessel import find_lesions
 
@@ -75,6 +76,31 @@ def test_spheres_of_another_vessel_beyond_a_wall_change_none():
     ways = np.tile([0.0, 0.0, 1.0], (3, 1))
     found = inscribed_spheres(points, triangles, stations, ways)
     assert found.radii == pytest.approx([3.0, 0.5, 3.0], rel=0.02)
+
+
+def test_a_sphere_that_begins_beyond_a_wall_is_as_if_it_had_been_followed(monkeypatch):
+    tube = straight_tube(3.0, 24, 0.4)
+    stations = tube.centerline.points[len(tube.centerline.points) // 2] + [[1.0, 0, 0], [0, 1, 1]]
+    axes = across(np.tile([0.0, 0.0, 1.0], (2, 1)))
+    aside = np.array([[2.5, 0, 0], [0.5, 0, 0]])
+    beyond = InscribedSpheres(stations + aside, np.array([1.0, 3.0]))
+
+    def found():
+        wall = LocalSurface(tube.points, tube.triangles, stations)
+        ends = climbed(wall, beyond, axes, Until(), starts=stations).radii
+        places = zip(stations, beyond.centers, axes, strict=True)
+        parted = [wall.parts(*three) for three in places]
+        return exact_spheres(wall, stations, axes, beyond, Until()), parted, np.isnan(ends)
+
+    quick, parted, is_lost = found()
+    assert parted == is_lost.tolist() == [True, False]
+    monkeypatch.setattr(LocalSurface, "parts", lambda *_: False)
+    plain, parted, leads_out = found()
+    assert parted == [False, False]
+    assert leads_out.tolist() == [True, False]
+    for one, other in zip(quick, plain, strict=True):
+        assert np.array_equal(one, other)
+    assert quick.radii == pytest.approx([3.0, 3.0], rel=0.02)
 
 
 def test_an_ostium_keeps_its_sphere_beside_the_larger_one_of_the_parent():

@@ -78,7 +78,7 @@ def exact_spheres(
     centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
     box = np.where(lost, _FIRST_BOX, _SMALLEST_BOX)
     begin = InscribedSpheres(centers, bounds)
-    spheres = climbed(surface, begin, axes, until, first_box=box)
+    spheres = climbed(surface, begin, axes, until, first_box=box, starts=starts)
     return in_their_lumen(surface, starts, axes, until, spheres)[0]
 
 
@@ -87,15 +87,35 @@ def in_their_lumen(
 ) -> tuple[InscribedSpheres, Indices]:
     """Spheres, those climbed to anew that a wall may part from their axis points, and which."""
     centers, radii = found
-    # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
-    moved = np.linalg.norm(centers - starts, axis=1)
-    doubtful = np.flatnonzero(~(moved < radii - _ON_WALL))
-    exact = surface.distances(starts[doubtful])
-    is_apart = ~(moved[doubtful] < radii[doubtful] + exact - _ON_WALL)
-    again = doubtful[is_apart]
-    begin = InscribedSpheres(starts[again], exact[is_apart])
+    again, exact = _apart(surface, starts, found)
+    begin = InscribedSpheres(starts[again], exact)
     centers[again], radii[again] = climbed(surface, begin, axes[again], until.at(again))
     return InscribedSpheres(centers, radii), again
+
+
+def _apart(
+    surface: LocalSurface, starts: Points, found: InscribedSpheres
+) -> tuple[Indices, Floats]:
+    """Spheres that a wall may part from their axis points, and how far it is from those, mm."""
+    # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
+    moved = np.linalg.norm(found.centers - starts, axis=1)
+    doubtful = np.flatnonzero(~(moved < found.radii - _ON_WALL))
+    exact = surface.distances(starts[doubtful])
+    is_apart = ~(moved[doubtful] < found.radii[doubtful] + exact - _ON_WALL)
+    return doubtful[is_apart], exact[is_apart]
+
+
+def _beyond_wall(
+    surface: LocalSurface, starts: Points, axes: Floats, found: InscribedSpheres
+) -> Indices:
+    """Spheres beyond a closed section of the wall round their axis points.
+
+    A center stays in its plane and passes through no wall: however far such a sphere climbs, often
+    out of the whole surface, it will be apart.
+    """
+    apart, _ = _apart(surface, starts, found)
+    parted = [surface.parts(starts[n], found.centers[n], axes[n]) for n in apart.tolist()]
+    return apart[np.array(parted, dtype=bool)]
 
 
 def rough_spheres(
@@ -141,14 +161,19 @@ def climbed(
     until: Until,
     *,
     first_box: float | Floats = _FIRST_BOX,
+    starts: Points | None = None,
 ) -> InscribedSpheres:
-    """Local maxima reached from the centers of spheres that are at most as large as given."""
+    """Local maxima reached from the centers of spheres that are at most as large as given.
+
+    NaN for those that lead out of the surface, and that begin beyond the wall round their axis
+    points `starts` (n, 3), where these are given.
+    """
     spheres = InscribedSpheres(begin.centers.copy(), begin.radii.copy())
     centers, radii = spheres
     box = first_box * radii
     active = np.flatnonzero(radii > _ON_WALL)
     near = Neighborhood(surface, len(centers))
-    for _ in range(_ROUNDS):
+    for number in range(_ROUNDS):
         if len(active) == 0:
             break
         # Inside the box the radius grows and every distance shrinks by at most its half diagonal.
@@ -157,6 +182,10 @@ def climbed(
         radii[active] = rows.radii
         step, height = largest_steps(rows, box[active])
         moves = (height - rows.radii > until.tolerance) & (rows.radii <= until.at(active).enough)
+        if number == 0 and isinstance(surface, LocalSurface) and starts is not None:
+            lost = _beyond_wall(surface, starts, axes, spheres)
+            centers[lost], radii[lost] = np.nan, np.nan
+            moves &= np.isfinite(radii[active])
         active, step, height = active[moves], step[moves], height[moves]
         length = np.linalg.norm(step, axis=1)
         centers[active] += np.einsum("ni,nij->nj", step, axes[active])

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import NearPairs, SurfaceIndex, may_meet_box, nearest_distances
+from ...geometry import (
+    NearPairs,
+    SurfaceIndex,
+    may_meet_box,
+    nearest_distances,
+    section_around,
+)
 from ...validation import Flags, Floats, Indices, Points, Triangles
 
 _AMPLY = 1.1
@@ -97,6 +103,25 @@ class LocalSurface:
         # Where the box holds nothing, a larger one is taken.
         self._index = self.index
         self._cover(centers, radii)
+
+    def parts(self, place: Points, other: Points, axes: Floats) -> bool:
+        """Whether a closed section of what has been asked for lies between two places of a plane.
+
+        `axes` (2, 3) are those of the plane.
+        """
+        wall = self._triangles[self._kept]
+        section = section_around(self._points, wall, place, np.cross(*axes))
+        if section is None or not section.is_closed:
+            return False
+        odd = []
+        for one in (place, other):
+            (x, y), (next_x, next_y) = (
+                axes @ (side - one).T for side in (section.start, section.end)
+            )
+            crosses = np.flatnonzero((y > 0) != (next_y > 0))
+            along = x - y * np.divide(next_x - x, next_y - y, where=next_y != y, out=0 * x)
+            odd.append(np.count_nonzero(along[crosses] > 0) % 2)
+        return odd[0] != odd[1]
 
     def chosen(self, stride: float) -> Flags:
         """Mask (m,) of a part of the triangles that have been asked for, about one in `stride`.

@@ -26,6 +26,7 @@ class Neighborhood:
         self._surface = surface
         self._covered = np.full(count, -np.inf)
         self._moved, self._held = np.zeros(count), count
+        self._growths = surface.growths
         nothing = np.empty(0, dtype=np.int64)
         # Bounds hold at a center's first place: what it has moved since is to be taken off.
         self._pairs = NearPairs(nothing, nothing, np.empty(0))
@@ -94,13 +95,14 @@ class Neighborhood:
 
         Looks at a little more, up to `radii + spare`, so that it need not search at every step.
         """
-        missing = radii > self._covered[active]
+        # Where the surface has grown its triangles have other numbers.
+        missing = (radii > self._covered[active]) | (self._surface.growths != self._growths)
         if missing.any():
             growths = self._surface.growths
             self._find(centers, active, active[missing], (radii + spare)[missing])
             if self._surface.growths != growths and not missing.all():
-                # It has grown, and its triangles have other numbers.
                 self._find(centers, active, active, radii + spare)
+            self._growths = self._surface.growths
         if len(active) <= _HELD * self._held:
             self._hold(self._pairs_of(len(centers), active), len(active))
         query, triangle, bound = self._pairs
