@@ -190,10 +190,12 @@ def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
 
     faces = np.arange(corners.shape[1])
     after, before = corners[[1, 2, 0]].ravel(), corners[[2, 0, 1]].ravel()
-    turned = normals[axis[at], np.tile(faces, 3)] * sign[at] <= np.tile(certainty, 3)
-    across = (axis + 2) % 3
-    height = columns[across, np.arange(count)][at]
-    rises = (columns[across[at], after] < height) & (columns[across[at], before] >= height)
+    here = axis.take(at)
+    turned = normals.ravel().take(here * len(faces) + np.tile(faces, 3)) * sign.take(at)
+    turned = turned <= np.tile(certainty, 3)
+    flat, row = columns.ravel(), (here + 2) % 3 * count
+    height = flat.take(row + at)
+    rises = (flat.take(row + after) < height) & (flat.take(row + before) >= height)
     # First and second power sums of the numbers met going round, entering minus leaving, vanish
     # on closed rings, and not with one or two open fans. Three open fans at one vertex, which no
     # manifold has, could pass for a ring only by an accident of their numbering.
@@ -202,7 +204,8 @@ def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
     is_flat &= np.bincount(at, rises, minlength=count) == 1
     is_flat &= np.bincount(at, gap, minlength=count) == 0
     is_flat &= np.bincount(at, gap * (after + before), minlength=count) == 0
-    return np.asarray(is_flat[corners].all(axis=0))
+    first, second, third = (is_flat.take(corner) for corner in corners)
+    return np.asarray(first & second & third)
 
 
 def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> tuple[NDArray, NDArray]:
@@ -234,7 +237,7 @@ def _by_shared_corners(
         for corner in first:
             for opposite in second:
                 shared += corner == opposite
-        is_open = (shared == 0) | ~(is_clear[left] | is_clear[right])
+        is_open = (shared == 0) | ~(is_clear.take(left) | is_clear.take(right))
         for number in range(4):
             chosen = np.flatnonzero(is_open & (shared == number))
             if not len(chosen):
