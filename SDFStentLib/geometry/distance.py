@@ -271,8 +271,11 @@ class SurfaceIndex:
         places = queries.take(query, axis=0)
         closest = self.closest_points(places, triangle)
         distance = norm(places - closest)
-        order = np.lexsort((distance, query))
-        first = order[np.searchsorted(query[order], np.arange(len(queries)))]
+        # The first of the nearest of each query: pairs are sorted by query.
+        starts = np.searchsorted(query, np.arange(len(queries)))
+        least = np.minimum.reduceat(distance, starts)
+        hits = np.flatnonzero(distance == least.take(query))
+        first = hits.take(np.searchsorted(hits, starts))
         return SurfaceDistance(distance[first], closest[first], triangle[first])
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..centerline import USUAL, WIDER, Centerline, station_spacing
-from ..geometry import Line, Surface, SurfaceIndex, norm, search_tree
+from ..geometry import Line, Surface, SurfaceIndex, faces_at, norm, search_tree
 from ..validation import Flags, Floats, Points
 from .caps import flat_caps
 from .spheres import InscribedSpheres, LocalSurface, StationSearch, Until
@@ -126,7 +126,7 @@ class LineEnds:
         points, triangles = self._surface.points, self._surface.triangles
         is_near = np.zeros(len(points), dtype=bool)
         is_near[self._corners.query_ball_point(place, _ROUND * radius)] = True
-        near = triangles[is_near[triangles].any(axis=1)]
+        near = triangles.compress(faces_at(is_near, triangles), axis=0)
         is_wall = np.ones(len(near), dtype=bool)
         for cap in flat_caps(points, near):
             is_wall[cap.faces] = False

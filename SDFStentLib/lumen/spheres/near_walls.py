@@ -68,13 +68,13 @@ class Neighborhood:
         """Search anew round some of the centers, as far as wanted."""
         found = self._surface.near(centers[which], wanted)
         self._covered[which] = wanted
-        kept = self._pairs_of(len(centers), np.setdiff1d(active, which, assume_unique=True))
         anew = which.take(found.query)
-        query = np.concatenate([kept.query, anew])
-        order = np.argsort(query, kind="stable")
-        triangle = np.concatenate([kept.triangle, found.triangle])
-        bound = np.concatenate([kept.bound, found.bound + self._moved.take(anew)])
-        pairs = NearPairs(query.take(order), triangle.take(order), bound.take(order))
+        pairs = NearPairs(anew, found.triangle, found.bound + self._moved.take(anew))
+        if len(which) < len(active):
+            kept = self._pairs_of(len(centers), np.setdiff1d(active, which, assume_unique=True))
+            both = [np.concatenate(columns) for columns in zip(kept, pairs, strict=True)]
+            order = np.argsort(both[0], kind="stable")
+            pairs = NearPairs(*(column.take(order) for column in both))
         self._hold(pairs, len(active))
 
     def _pairs_of(self, count: int, some: Indices) -> NearPairs:
