@@ -9,6 +9,7 @@ from child_processes import PROJECT, installed
 from scipy.spatial import cKDTree
 from tube_files import write_tube
 
+from benchmarks.against_vmtk import SURFACES, compared
 from benchmarks.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
@@ -76,6 +77,19 @@ def test_the_lines_of_an_anatomy_agree_with_the_centerline_that_came_with_it(dat
     ).query(found.points)[0]
     assert np.median(away) < 0.5
     assert np.quantile(away, 0.95) < 3.0
+
+
+@needs_vmtk
+@pytest.mark.parametrize("name", [name for name in SURFACES if "su0243" not in name])
+def test_own_lines_of_an_anatomy_are_those_of_vmtk(data_dir, name):
+    """Without any lesion of one that the other has not; the patient with 92 ends is benchmarked."""
+    found = compared(name)
+    reached, ends = found["ends"].split(" of ")
+    assert reached == ends
+    assert found["median"] < 0.1
+    assert found["95 %"] < 0.2
+    own, vmtk, same = found["lesions own, VMTK, the same"].split(", ")
+    assert own == vmtk == same
 
 
 @needs_vmtk

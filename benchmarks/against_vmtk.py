@@ -1,0 +1,111 @@
+"""Own centerlines of bare surfaces against VMTK's (Python 3.12 or later).
+
+python -m benchmarks.against_vmtk [--surface NAME ...]
+
+Both are made in turn, each once. Surfaces without flat ends have the own line's ends named to VMTK.
+Distances are those of VMTK's points, a radius or more from every end, to the nearest own line, in
+radii. Lesions are those that the library finds with each; the same are within 1 mm and 1 percentage
+point.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from SDFStentLib import extract_centerline
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.files import extract_lines, read_surface
+from SDFStentLib.geometry import Line, Surface
+from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import Lesion, find_lesions, line_seeds
+
+from .common import Found, markdown, progress
+from .sweep import DATA_FOLDER
+
+SURFACES = {
+    "su0243_surface_mm": "mm",
+    "pulmonary_surface_cm": "cm",
+    "aorta_iliac_surface_cm": "cm",
+    "vmtk_aorta_surface_mm": "mm",
+}
+
+SAME = (1.0, 1.0)
+"""Largest distance, mm, and difference in percentage points of the same lesion by two lines."""
+
+
+def timed(make: Callable[[], Centerline]) -> tuple[Centerline, float]:
+    """A centerline and the seconds of the clock that it took."""
+    start = time.perf_counter()
+    made = make()
+    return made, time.perf_counter() - start
+
+
+def by_vmtk(surface: Surface, own: Centerline) -> Centerline:
+    """VMTK's centerline between the flat ends of a surface, or where there is none the own ends."""
+    try:
+        seeds = line_seeds(surface)
+    except InputError:
+        seeds = line_seeds(surface, own.points[own.roots[0]], list(own.points[own.leaves]))
+    points, lines, radii = extract_lines(*seeds)
+    return Centerline.from_lines(points, lines, radii, inlet=points[lines[0][0]])
+
+
+def finely(line: Centerline) -> np.ndarray:
+    """Points (n, 3) of all lines, 0.1 mm apart."""
+    ways = (line.points[branch] for branch in line.branches)
+    return np.vstack([Line(way).resampled(0.1).points for way in ways])
+
+
+def compared(name: str) -> Found:
+    """The numbers of a surface."""
+    surface = read_surface(DATA_FOLDER / f"{name}.vtp", SURFACES[name]).surface
+    own, own_seconds = timed(lambda: extract_centerline(surface).centerline)
+    vmtk, vmtk_seconds = timed(lambda: by_vmtk(surface, own))
+    ends = vmtk.points[vmtk.leaves]
+    radii = vmtk.inscribed_radius
+    near, _ = cKDTree(own.points[own.leaves]).query(ends)
+    is_inner = cKDTree(np.vstack([ends, vmtk.points[vmtk.roots]])).query(vmtk.points)[0] > radii
+    away = cKDTree(finely(own)).query(vmtk.points)[0][is_inner] / radii[is_inner]
+    return {
+        "surface": name,
+        "ends": f"{np.count_nonzero(near <= radii[vmtk.leaves] + 0.5)} of {len(ends)}",
+        "median": round(float(np.median(away)), 3),
+        "95 %": round(float(np.quantile(away, 0.95)), 3),
+        "lesions own, VMTK, the same": same_lesions(
+            find_lesions(surface, own), find_lesions(surface, vmtk)
+        ),
+        "own, s": round(own_seconds, 1),
+        "VMTK, s": round(vmtk_seconds, 1),
+        "times as fast": round(vmtk_seconds / own_seconds, 1),
+    }
+
+
+def same_lesions(own: Sequence[Lesion], vmtk: Sequence[Lesion]) -> str:
+    """Numbers of lesions with both lines, and of those within 1 mm and 1 point of each other."""
+    pairs = itertools.product(own, vmtk)
+    same = [
+        np.linalg.norm(np.subtract(one.point, other.point)) <= SAME[0]
+        and abs(one.percent_diameter - other.percent_diameter) <= SAME[1]
+        for one, other in pairs
+    ]
+    return f"{len(own)}, {len(vmtk)}, {sum(same)}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--surface", nargs="+", choices=list(SURFACES), default=list(SURFACES))
+    found = []
+    for name in parser.parse_args().surface:
+        found.append(compared(name))
+        progress(str(found[-1]))
+    print(markdown(list(found[0]), [list(one.values()) for one in found]))
+
+
+if __name__ == "__main__":
+    main()
