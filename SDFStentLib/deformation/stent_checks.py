@@ -131,7 +131,8 @@ def _narrowest(
     points, triangles = after.points, after.triangles
     width = around.distances(stations)
     if (width < (1 - ROUGH) * wanted).any():
-        triangles = triangles[~caps_across(before, stations, CAPS_WITHIN * radius)]
+        is_wall = ~caps_across(before, stations, CAPS_WITHIN * radius)
+        triangles = triangles.compress(is_wall, axis=0)
         around = WallAround(points, triangles, stations, NEAR * radius)
         width = around.distances(stations)
     doubtful = np.flatnonzero(width < (1 - ROUGH) * wanted)
@@ -169,14 +170,15 @@ def _widest(
     if is_wide.any():
         # The result of a rough search depends on the stations beside, so all are searched.
         low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
-        near = triangles[may_meet_box(points, triangles, low, high)]
+        near = triangles.compress(may_meet_box(points, triangles, low, high), axis=0)
         found = inscribed_spheres(points, near, stations, directions, Until(ROUGH * radius))
         is_wide &= found.radii > most
     wide = np.flatnonzero(is_wide)
     if not len(wide):
         return nothing
     # Fewer triangles are never nearer, so only doubtful stations need all of them but the caps.
-    triangles = triangles[~caps_across(before, chain.nodes, CAPS_WITHIN * radius)]
+    is_wall = ~caps_across(before, chain.nodes, CAPS_WITHIN * radius)
+    triangles = triangles.compress(is_wall, axis=0)
     widths = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
     native = inscribed_spheres(
         _united(before.points, chain, radius), triangles, stations[wide], directions[wide]

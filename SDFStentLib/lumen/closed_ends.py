@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..geometry import Line, Surface, SurfaceIndex, compacted, dot, may_meet_box, nearest_distances
 from ..validation import Flags, Floats, Indices, Points, Triangles
 from .caps import caps_across, flat_caps
-from .spheres import InscribedSpheres, LocalSurface, inscribed_spheres
+from .spheres import InscribedSpheres, inscribed_spheres
 from .stations import Stations
 
 ROUND = 0.98
@@ -65,20 +65,26 @@ def touches(
     """
     found = np.zeros(len(outward), dtype=bool)
     known = np.flatnonzero(np.isfinite(spheres.radii))
-    if len(known):
-        centers, radii = spheres.at(known)
-        # For a sphere of radius 0 rounding decides what it touches.
-        reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
-        surface = LocalSurface(points, triangles, centers)
-        query, triangle, _ = surface.near(centers, reach)
-        offset = surface.index.closest_points(centers.take(query, axis=0), triangle)
-        offset -= centers.take(query, axis=0)
-        distance = np.linalg.norm(offset, axis=1)
-        along = dot(offset, outward[known[query]])
-        is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
-        is_through = distance < (1 - TOUCH) * radii[query]
-        # For a center in the surface itself, rounding decides the direction.
-        found[known[query[is_ahead | is_through | (distance < IN_SURFACE)]]] = True
+    if not len(known):
+        return found
+    centers, radii = spheres.at(known)
+    # For a sphere of radius 0 rounding decides what it touches.
+    reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
+    ample = (1 + TOUCH) * reach[:, None]
+    low, high = (centers - ample).min(axis=0), (centers + ample).max(axis=0)
+    near = may_meet_box(points, triangles, low, high)
+    if not near.any():
+        return found
+    surface = SurfaceIndex(points, triangles.compress(near, axis=0))
+    query, triangle, _ = surface.near(centers, reach)
+    offset = surface.closest_points(centers.take(query, axis=0), triangle)
+    offset -= centers.take(query, axis=0)
+    distance = np.linalg.norm(offset, axis=1)
+    along = dot(offset, outward[known[query]])
+    is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
+    is_through = distance < (1 - TOUCH) * radii[query]
+    # For a center in the surface itself, rounding decides the direction.
+    found[known[query[is_ahead | is_through | (distance < IN_SURFACE)]]] = True
     return found
 
 
@@ -121,7 +127,7 @@ def open_at_ends(surface: Surface, axis: Points) -> OpenWall:
     reach = CAPS_WITHIN * float(nearest_distances(axis, some).max())
     is_capped = caps_across(surface, axis, reach)
     caps = np.flatnonzero(is_capped)
-    return OpenWall(triangles[~is_capped] if len(caps) else triangles, caps)
+    return OpenWall(triangles.compress(~is_capped, axis=0) if len(caps) else triangles, caps)
 
 
 def past_closed_ends(

@@ -263,7 +263,9 @@ def profile_of(
         Stations among which openings are looked for together; what the last one says counts.
     """
     points, triangles = surface.points, surface.triangles
-    seen = np.delete(triangles, caps, axis=0) if len(caps) else triangles
+    is_seen = np.ones(len(triangles), dtype=bool)
+    is_seen[caps] = False
+    seen = triangles.compress(is_seen, axis=0) if len(caps) else triangles
     # Sections are cut round spheres: those that have left the vessel are a branch's.
     lines = [np.arange(len(measured.points))]
     own = with_own_spheres(LocalSurface(points, seen, measured.points), *measured[:3], lines)

@@ -79,5 +79,6 @@ def edge_at_stent(treated: TreatedStent) -> float:
     at_stent = axis.nearest(surface.points[moved]).distances <= AT_STENT * radius
     is_there = np.zeros(len(surface.points), dtype=bool)
     is_there[moved[at_stent]] = True
-    near = surface.triangles[is_there[surface.triangles].all(axis=1)]
+    are_there = np.logical_and.reduce([is_there.take(corner) for corner in surface.corners])
+    near = surface.triangles.compress(are_there, axis=0)
     return median_edge(surface.points, near) if len(near) else 0.0
