@@ -7,6 +7,7 @@ import struct
 import numpy as np
 import pytest
 import SimpleITK
+from scipy import ndimage
 from segmentations import FORK, named, voxels, write
 
 from benchmarks.voxels import errors, voxel_tube
@@ -23,6 +24,7 @@ from SDFStentLib.scan import (
     wall_distance,
 )
 from SDFStentLib.scan.contour import unfolded
+from SDFStentLib.scan.wall_distance import BESIDE, SHARE, WIDTHS
 from SDFStentLib.validation import InputError
 
 SIDE = 0.9
@@ -55,6 +57,38 @@ def test_diameters_are_those_of_the_tube_within_a_quarter_voxel(spacing):
     off = errors(contoured(wall_distance(tube.labelmap), tube.labelmap.spacing), tube)
     is_wide = 2 * tube.radii[np.arange(200, 1001, 40)] > 6 * tube.labelmap.voxel
     assert np.abs(off[is_wide]).mean() < 0.25
+
+
+def plain_wall_distance(labelmap):
+    """The same, by filters of the whole image."""
+    spacing, voxel = labelmap.spacing, labelmap.voxel
+    inside = ndimage.distance_transform_edt(labelmap.mask, sampling=spacing)
+    distance = ndimage.distance_transform_edt(~labelmap.mask, sampling=spacing) - inside
+    distance = distance.astype(np.float32)
+
+    def filtered(width):
+        once = ndimage.gaussian_filter(distance, width * voxel / spacing, mode="nearest")
+        return 2 * once - ndimage.gaussian_filter(once, width * voxel / spacing, mode="nearest")
+
+    depth, steps = -filtered(1.0) / voxel, np.array(WIDTHS) / SHARE
+    radius = np.full_like(depth, steps[0])
+    for least, most in zip(steps, [*steps[1:], np.inf], strict=True):
+        own = np.where((depth >= least) & (depth < most), np.minimum(depth, steps[-1]), 0)
+        sides = 2 * np.rint((least + BESIDE) * voxel / spacing).astype(int) + 1
+        radius = np.maximum(radius, ndimage.maximum_filter(own, sides.tolist()))
+    radius = ndimage.gaussian_filter(radius, 1.0)
+    level = np.interp(np.log(SHARE * radius), np.log(WIDTHS), np.arange(len(WIDTHS)))
+    shares = [np.clip(1 - np.abs(level - number), 0, 1) for number in range(len(WIDTHS))]
+    return sum(share * filtered(width) for share, width in zip(shares, WIDTHS, strict=True))
+
+
+@pytest.mark.parametrize("spacing", [(0.5, 0.5, 0.5), (0.3, 0.3, 0.6)])
+def test_filters_of_parts_of_the_image_are_those_of_the_whole_near_the_wall(spacing):
+    tube = voxel_tube(9.0, np.array(spacing), 0.1, 5).labelmap
+    found, plain = wall_distance(tube), plain_wall_distance(tube)
+    near = np.abs(plain) < 4 * tube.voxel
+    assert found[near] == pytest.approx(plain[near], abs=1e-5)  # single precision
+    assert (np.sign(found) == np.sign(plain)).all()
 
 
 def test_the_ends_are_flat_and_named_the_widest_is_the_inlet(vessel):

@@ -9,7 +9,7 @@ import numpy as np
 from ..validation import Flags, Floats, Indices, Points, Triangles
 from .faces import face_normals, faces_at
 from .fans import component_labels
-from .rows import across, dot, product
+from .rows import across, dot, product, used_points
 from .section import crossings
 
 SNAPS = (0.2, 1e-3)
@@ -100,6 +100,35 @@ def cut_along(
     Points move along a side of the surface. New points come last; what a section elsewhere would
     cross is left as it is.
     """
+    # All that changes has a corner in a triangle that is crossed.
+    is_near = np.zeros(len(points), dtype=bool)
+    is_near[triangles[section.triangles]] = True
+    near = np.flatnonzero(faces_at(is_near, triangles))
+    used = used_points(triangles[near])
+    number = np.zeros(len(points), dtype=np.int64)
+    number[used] = np.arange(len(used))
+    own = section._replace(
+        triangles=np.searchsorted(near, section.triangles), sides=number[section.sides]
+    )
+    cut = _cut_near(points[used], number[triangles[near]], own, origin, normal)
+    # Back among all: new points come last, and new triangles.
+    number = np.r_[used, len(points) + np.arange(len(cut.points) - len(used))]
+    moved = np.vstack([points, cut.points[len(used) :]])
+    moved[used] = cut.points[: len(used)]
+    kept = np.delete(np.arange(len(triangles)), section.triangles)
+    new = slice(len(near) - len(section.triangles), None)
+    return CutSurface(
+        moved,
+        np.vstack([triangles[kept], number[cut.triangles[new]]]),
+        np.r_[kept, near[cut.sources[new]]],
+        number[cut.rim],
+    )
+
+
+def _cut_near(
+    points: Points, triangles: Triangles, section: SectionAround, origin: Points, normal: Points
+) -> CutSurface:
+    """`cut_along` of the triangles about a section."""
     heights = product(points - origin, normal)
     for snap in SNAPS:
         moved, moved_heights = _snapped(points, heights, triangles, section.sides, snap)
