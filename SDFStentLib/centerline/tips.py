@@ -109,6 +109,9 @@ def _persistent(values: Floats, links: Indices) -> list[tuple[int, float]]:
     ends = basin[links]
     between = np.flatnonzero((ends[:, 0] != ends[:, 1]) & (levels > -np.inf))
     between = between[np.argsort(-levels[between], kind="stable")]
+    # Of the links between two basins the highest joins them.
+    one, other = np.sort(ends[between], axis=1).T
+    between = between[np.sort(np.unique(one * len(values) + other, return_index=True)[1])]
     peaks = np.unique(basin[values > -np.inf])
     top = {int(peak): int(peak) for peak in peaks}
 
