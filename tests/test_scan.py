@@ -91,6 +91,13 @@ def test_filters_of_parts_of_the_image_are_those_of_the_whole_near_the_wall(spac
     assert (np.sign(found) == np.sign(plain)).all()
 
 
+def test_a_label_that_fills_its_image_has_a_distance_as_by_the_transform_of_the_whole():
+    full = labelmap(np.ones((6, 7, 8), dtype=bool))
+    found = wall_distance(full)
+    near = plain_wall_distance(full) > -4
+    assert found[near] == pytest.approx(plain_wall_distance(full)[near], abs=1e-5)
+
+
 def test_the_ends_are_flat_and_named_the_widest_is_the_inlet(vessel):
     assert [end.name for end in vessel.ends] == ["inlet", "outlet_1", "outlet_2"]
     inlet, *outlets = (end.diameter for end in vessel.ends)

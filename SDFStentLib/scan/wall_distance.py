@@ -86,6 +86,8 @@ def _border_distance(labelmap: Labelmap) -> Grid:
         layer[:] = np.sqrt(sum(squares))
     # Few voxels are inside: a search among those beside them takes less than another transform.
     inside, beside = np.argwhere(mask), np.argwhere(binary_dilation(mask) & ~mask)
+    if not len(beside):  # a label that fills its image; SciPy's transform takes that place
+        beside = np.array([[-1, 0, 0]])
     found = cKDTree(beside * spacing).query(inside * spacing)[1]
     distance[mask] = -norm((beside[found] - inside) * spacing)
     return distance
