@@ -9,7 +9,7 @@ from child_processes import PROJECT, installed
 from scipy.spatial import cKDTree
 from tube_files import write_tube
 
-from benchmarks.against_vmtk import SURFACES, compared
+from benchmarks.against_vmtk import SURFACES, compared, finely
 from benchmarks.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
@@ -17,7 +17,7 @@ from benchmarks.phantoms import (
     straight_tube,
 )
 from SDFStentLib.files import extract_lines, read_centerline, read_lines, read_surface
-from SDFStentLib.geometry import Line, Surface, norm
+from SDFStentLib.geometry import Surface, norm
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import line_seeds
 
@@ -36,10 +36,9 @@ def extracted(surface, *places):
     return extract_lines(*line_seeds(surface, *places))
 
 
-def finely(tree):
+def axis_and_radius(tree):
     """The axes of a centerline every 0.1 mm, and the inscribed radius there."""
-    lines = [tree.points[branch] for branch in tree.branches]
-    points = np.vstack([Line(line).resampled(0.1).points for line in lines])
+    points = finely(tree)
     return points, tree.inscribed_radius[cKDTree(tree.points).query(points)[1]]
 
 
@@ -52,7 +51,7 @@ def finely(tree):
 def test_the_lines_of_a_phantom_follow_the_axes_it_was_made_of(phantom):
     found = extracted(phantom.surface)
     assert len(found.lines) == len(phantom.openings) - 1
-    axis, radius = finely(phantom.centerline)
+    axis, radius = axis_and_radius(phantom.centerline)
     distance, nearest = cKDTree(axis).query(found.points)
     is_away = np.ones(len(distance), dtype=bool)
     for opening in phantom.openings:  # where the cap stops the spheres before the wall does
@@ -72,9 +71,7 @@ def test_the_lines_of_an_anatomy_agree_with_the_centerline_that_came_with_it(dat
     known = read_centerline(data_dir / f"{name}_centerline_cm.vtp", "cm")
     found = extracted(surface)
     assert len(found.lines) == 2
-    away = cKDTree(
-        np.vstack([Line(known.points[b]).resampled(0.2).points for b in known.branches])
-    ).query(found.points)[0]
+    away = cKDTree(finely(known)).query(found.points)[0]
     assert np.median(away) < 0.5
     assert np.quantile(away, 0.95) < 3.0
 
