@@ -87,7 +87,7 @@ def test_a_sphere_that_begins_beyond_a_wall_is_as_if_it_had_been_followed(monkey
 
     def found():
         wall = LocalSurface(tube.points, tube.triangles, stations)
-        ends = climbed(wall, beyond, axes, Until(), starts=stations).radii
+        ends = climbed(wall, beyond, axes, Until()).radii
         places = zip(stations, beyond.centers, axes, strict=True)
         parted = [wall.parts(*three) for three in places]
         return exact_spheres(wall, stations, axes, beyond, Until()), parted, np.isnan(ends)

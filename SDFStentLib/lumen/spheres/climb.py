@@ -75,10 +75,13 @@ def exact_spheres(
     """Climb on the wall from rough spheres, then make sure that no wall lies between."""
     centers, bounds = rough.centers.copy(), rough.radii.copy()
     lost = np.isnan(bounds)
-    centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
+    centers[lost] = starts[lost]
+    exact = surface.distances(centers)
+    bounds[lost] = exact[lost]
+    bounds[_beyond_wall(surface, starts, axes, InscribedSpheres(centers, exact))] = np.nan
     box = np.where(lost, _FIRST_BOX, _SMALLEST_BOX)
     begin = InscribedSpheres(centers, bounds)
-    spheres = climbed(surface, begin, axes, until, first_box=box, starts=starts)
+    spheres = climbed(surface, begin, axes, until, first_box=box)
     return in_their_lumen(surface, starts, axes, until, spheres)[0]
 
 
@@ -161,19 +164,14 @@ def climbed(
     until: Until,
     *,
     first_box: float | Floats = _FIRST_BOX,
-    starts: Points | None = None,
 ) -> InscribedSpheres:
-    """Local maxima reached from the centers of spheres that are at most as large as given.
-
-    NaN for those that lead out of the surface, and that begin beyond the wall round their axis
-    points `starts` (n, 3), where these are given.
-    """
+    """Local maxima reached from the centers of spheres that are at most as large as given."""
     spheres = InscribedSpheres(begin.centers.copy(), begin.radii.copy())
     centers, radii = spheres
     box = first_box * radii
     active = np.flatnonzero(radii > _ON_WALL)
     near = Neighborhood(surface, len(centers))
-    for number in range(_ROUNDS):
+    for _ in range(_ROUNDS):
         if len(active) == 0:
             break
         # Inside the box the radius grows and every distance shrinks by at most its half diagonal.
@@ -182,10 +180,6 @@ def climbed(
         radii[active] = rows.radii
         step, height = largest_steps(rows, box[active])
         moves = (height - rows.radii > until.tolerance) & (rows.radii <= until.at(active).enough)
-        if number == 0 and isinstance(surface, LocalSurface) and starts is not None:
-            lost = _beyond_wall(surface, starts, axes, spheres)
-            centers[lost], radii[lost] = np.nan, np.nan
-            moves &= np.isfinite(radii[active])
         active, step, height = active[moves], step[moves], height[moves]
         length = np.linalg.norm(step, axis=1)
         centers[active] += np.einsum("ni,nij->nj", step, axes[active])
