@@ -11,6 +11,7 @@ from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Balls, Line, Surface, SurfaceIndex, nearest_distances
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
+    LocalSurface,
     StationSearch,
     Until,
     equivalent_diameters,
@@ -97,6 +98,28 @@ def test_spheres_of_a_whole_tree_are_those_of_plain_climbs(monkeypatch):
         near = made.triangles[np.linalg.norm(middles - places[one], axis=1) < 15.0]
         expected = plain_sphere(made.points, near, places[one], directions[one])[1]
         assert found[one] == pytest.approx(expected, abs=1e-3)
+
+
+def test_spheres_in_most_of_a_surface_are_those_in_the_part_round_them():
+    made = narrowed_tree()
+    surface, branches = made.surface, made.centerline.branches
+    lines = [Line(made.centerline.points[branch]) for branch in branches]
+    lines = [line.resampled(2.0) for line in lines if line.length > 4.0]
+    longest = max(lines, key=lambda line: np.ptp(line.points, axis=0).max())
+    for some in (lines, [longest]):
+        places, ways = (
+            np.concatenate([getattr(line, name) for line in some])
+            for name in ("points", "directions")
+        )
+        kept = LocalSurface.of(surface, places)
+        part = LocalSurface(made.points, made.triangles, places)
+        found, own = (StationSearch(one, places, ways, Until()) for one in (kept, part))
+        for one, other in ((found.rough, own.rough), (found.exact(), own.exact())):
+            np.testing.assert_array_equal(one.centers, other.centers)
+            np.testing.assert_array_equal(one.radii, other.radii)
+        is_most = len(part.index.centroids) > len(made.triangles) / 2
+        assert (kept.index is surface.index) == is_most
+        assert is_most == (some is lines)
 
 
 @pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])

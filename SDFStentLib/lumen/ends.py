@@ -66,7 +66,7 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     step = _BELOW * narrow[:, None] * across
     within, beyond = surface.contains(centers - step), surface.contains(centers + step)
     inward = np.where(within, -1.0, 1.0)[:, None] * across
-    index = SurfaceIndex(surface.points, surface.triangles)
+    index = surface.index_for_once
     spot_of = np.full(len(surface.triangles), -1)
     for place, number in enumerate(own):
         spot_of[spots[number].faces] = place

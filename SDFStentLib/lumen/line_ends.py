@@ -146,7 +146,7 @@ class LineEnds:
     def _measured(self, lines: Sequence[Line]) -> list[EndStations]:
         places = np.concatenate([line.points for line in lines])
         directions = np.concatenate([line.directions for line in lines])
-        wall = LocalSurface(self._surface.points, self._surface.triangles, places)
+        wall = LocalSurface.of(self._surface, places)
         centers, radii = StationSearch(wall, places, directions, Until(TOLERANCE)).rough
         is_in = self._surface.contains(places)
         found, first = [], 0

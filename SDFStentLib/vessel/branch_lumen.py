@@ -51,7 +51,7 @@ class TreeLumen:
         self._to_end = np.concatenate(_distances_to_ends(self._lumens))
         # What is wider than this so near to an end is not used, however wide it is.
         until = Until(TOLERANCE, _SAFELY / END_REACH * self._to_end)
-        wall = LocalSurface(surface.points, surface.triangles, stations)
+        wall = LocalSurface.of(surface, stations)
         self.spheres = StationSearch(wall, stations, directions, until)
         self._is_in = surface.contains(stations)
         if not (self._is_in & np.isfinite(self.spheres.rough.radii)).any():

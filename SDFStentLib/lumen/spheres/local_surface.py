@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...geometry import (
     NearPairs,
+    Surface,
     SurfaceIndex,
     may_meet_box,
     nearest_distances,
@@ -35,19 +36,22 @@ class LocalSurface:
         Number of its growths; triangle numbers change with it.
     """
 
-    def __init__(
-        self,
-        points: Points,
-        triangles: Triangles,
-        centers: Points,
-    ) -> None:
+    def __init__(self, points: Points, triangles: Triangles, centers: Points) -> None:
         self._points, self._triangles, self._centers = points, triangles, centers
+        self._whole: Surface | None = None
         self.lowest: Floats
         self.highest: Floats
         self.lowest, self.highest = _extent(points)
         self._index: SurfaceIndex | None = None
         self._numbers: NDArray[np.uint64] | None = None
         self.growths = 0
+
+    @classmethod
+    def of(cls, surface: Surface, centers: Points) -> LocalSurface:
+        """The part of a surface whose index is kept, and used where most of it lies near."""
+        part = cls(surface.points, surface.triangles, centers)
+        part._whole = surface
+        return part
 
     @property
     def index(self) -> SurfaceIndex:
@@ -152,6 +156,11 @@ class LocalSurface:
         self._kept: slice | Flags = slice(None)
         if not self._is_whole():
             self._kept = may_meet_box(self._points, self._triangles, self._low, self._high)
+            if self._whole is not None and 2 * np.count_nonzero(self._kept) > len(self._kept):
+                self._low, self._high, self._kept = self.lowest, self.highest, slice(None)
+        if self._whole is not None and self._is_whole():
+            self._index = self._whole.index
+            return
         kept = self._triangles
         if not isinstance(self._kept, slice):
             kept = kept.compress(self._kept, axis=0)
