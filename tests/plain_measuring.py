@@ -1,10 +1,12 @@
 """Measuring in the plain way, station by station, as a reference for the fast way."""
 
 import numpy as np
+from scipy.ndimage import label
 from scipy.optimize import linprog
 
 from SDFStentLib.geometry import across
 from SDFStentLib.lumen import measured_at, open_at_ends, profile_around
+from SDFStentLib.lumen.spheres import own, passing
 
 THINNED_ABOVE, THINNING = 8000, 8
 
@@ -90,3 +92,59 @@ def plain_sphere(points, triangles, start, direction):
         center, radius = climbed(points[level], center, axes, box, tolerance)
         box = 0.005
     return center, radius
+
+
+def widest_passing(wall, throat, radius, ends):
+    """The widest sphere that passes, by the distances of all cells of the grid from the wall."""
+    corners = np.vstack([throat, ends])
+    low, high = corners.min(axis=0) - radius, corners.max(axis=0) + radius
+    step = max(radius / passing._CELLS, float((high - low).max()) / passing._MOST)
+    counts = np.maximum(np.ceil((high - low) / step).astype(int), 1) + 1
+    grid = low + step * np.moveaxis(np.indices(counts), 0, -1)
+    room = wall.distances(grid.reshape(-1, 3)).reshape(counts)
+    begin, end = (passing._widest(room, np.linalg.norm(grid - one, axis=-1)) for one in ends)
+    narrower = min(begin, end, key=room.__getitem__)
+    levels = np.unique(room[room <= room[narrower]])
+    passes = [level for level in levels if is_one(parts_of(room >= level), begin, end)][-1]
+    if passes == room[narrower] > levels[0]:
+        return np.r_[grid[narrower], passes]
+    narrowest, parts = grid[room == passes][0], parts_of(room > passes)
+    is_near = np.linalg.norm(grid - narrowest, axis=-1) < passing._NEAR * step
+    sides = [grid[is_near & (parts == parts[one]) & (parts > 0)] for one in (begin, end)]
+    if passes < step or is_one(parts, begin, end) or not all(map(len, sides)):
+        return np.full(4, np.nan)
+    way = sides[1].mean(axis=0) - sides[0].mean(axis=0)
+    way /= np.linalg.norm(way)
+    steps = passing._NEAR * step * np.linspace(-1.0, 1.0, passing._PLANES)
+    axes = across(np.tile(way, (passing._PLANES, 1)))
+    disks = np.full(passing._PLANES, passing._NEAR * step)
+    centers, radii = largest_in_disks(wall, narrowest + steps[:, None] * way, axes, disks)
+    return np.r_[centers[radii.argmin()], radii.min()]
+
+
+def parts_of(inside):
+    """Numbers of the connected parts of a grid's cells, 0 outside of them."""
+    return label(inside, np.ones((3, 3, 3)))[0]
+
+
+def is_one(parts, begin, end):
+    """Whether two cells are in one part."""
+    return parts[begin] == parts[end]
+
+
+def largest_in_disks(wall, middles, axes, disks):
+    """Centers and radii of the largest spheres in disks, by all of the places that are tried."""
+    steps = np.linspace(-1.0, 1.0, own._TRIED)
+    grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    grid = grid[np.linalg.norm(grid, axis=1) <= 1.0]
+    radii, best, size = wall.distances(middles), np.zeros((len(middles), 2)), disks
+    while (size > own._FINEST).any():
+        tried = best[:, None] + size[:, None, None] * grid
+        tried /= np.maximum(np.linalg.norm(tried, axis=2) / disks[:, None], 1.0)[..., None]
+        places = middles[:, None] + np.einsum("nki,nij->nkj", tried, axes)
+        room = wall.distances(places.reshape(-1, 3)).reshape(len(middles), -1)
+        for number, at in enumerate(room.argmax(axis=1)):
+            if room[number, at] > radii[number]:
+                best[number], radii[number] = tried[number, at], room[number, at]
+        size = size / 2
+    return middles + np.einsum("ni,nij->nj", best, axes), radii

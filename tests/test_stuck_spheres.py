@@ -1,6 +1,7 @@
 """Spheres in pockets of rough walls: seen by their neighbors, and searched anew."""
 
 import numpy as np
+import plain_measuring as plainly
 import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
@@ -30,6 +31,7 @@ from SDFStentLib.lumen import (
     with_own_spheres,
 )
 from SDFStentLib.lumen.spheres.climb import InscribedSpheres, Until, climbed, exact_spheres
+from SDFStentLib.lumen.spheres.own import largest_in_disks
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.vessel import find_lesions
 
@@ -302,6 +304,43 @@ def test_where_the_way_is_wider_than_its_ends_the_narrower_one_passes():
     narrower = wall_distances(tube.points, tube.triangles, ends[:1])[0]
     assert narrower <= passes < 1.5 * narrower
     assert passes == pytest.approx(held)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_sphere_that_passes_is_that_of_all_cells_of_the_grid(seed):
+    random = np.random.default_rng(seed)
+    artery, tube = branching_pulmonary_artery(0.8), stenosed_tube(3.0, 1.2, edge_length=0.4)
+    branch, ways = artery.vessels[1], []
+    ostium = artery.vessels[0].axis.point(branch.joint)[0]
+    for away in (3.0, 7.0, 12.0):
+        ways.append((artery, np.stack([ostium, branch.axis.point(away)[0]])))
+        ways.append((tube, tube.throat.point + away * np.array([[0, 0, -1.0], [0, 0, 1.0]])))
+    # One that leads out of the lumen, whose cells on the way are narrow.
+    ways.append((tube, tube.throat.point + np.array([[0, 0, 0.0], [9.0, 0, 0]])))
+    passed = set()
+    for made, ends in ways:
+        wall = LocalSurface(made.points, made.triangles, ends)
+        ends = ends + random.normal(0.0, 0.3, ends.shape)
+        radius = random.uniform(0.4, 2.5)
+        found = widest_passing(wall, ends.mean(axis=0), radius, ends)
+        assert np.array_equal(
+            found, plainly.widest_passing(wall, ends.mean(axis=0), radius, ends), equal_nan=True
+        )
+        passed.add(bool(np.isfinite(found).all()))
+    assert passed == {True, False}
+
+
+def test_spheres_in_disks_are_those_of_all_places_that_are_tried():
+    random = np.random.default_rng(5)
+    points, triangles, stations, ways = rough_tube(SEED)
+    wall = LocalSurface(points, triangles, stations)
+    middles = stations * [0.5, 0.5, 1.0] + random.normal(0.0, 0.2, stations.shape)
+    disks = random.uniform(0.2, 1.5, len(middles))
+    found = largest_in_disks(wall, middles, across(ways), disks)
+    for one, other in zip(
+        found, plainly.largest_in_disks(wall, middles, across(ways), disks), strict=True
+    ):
+        assert np.array_equal(one, other)
 
 
 def test_a_dip_of_a_long_throat_between_its_stations_is_its_minimum():

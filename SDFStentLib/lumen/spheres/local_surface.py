@@ -80,6 +80,10 @@ class LocalSurface:
             distance = self.index.distances(centers).distance
         return distance
 
+    def bounds(self, centers: Points) -> Floats:
+        """Distances (n,) that those from centers to the surface do not exceed."""
+        return self.index.nearest_middles(centers)
+
     def closest_points(self, queries: Points, triangle: Indices) -> Points:
         """Nearest point (p, 3) of triangle i, as `near` numbers them, to query i."""
         return self.index.closest_points(queries, triangle)

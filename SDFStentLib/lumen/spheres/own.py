@@ -90,7 +90,10 @@ def largest_in_disks(
         tried = best[:, None] + size[:, None, None] * grid
         tried /= np.maximum(np.linalg.norm(tried, axis=2) / disks[:, None], 1.0)[..., None]
         places = middles[:, None] + np.einsum("nki,nij->nkj", tried, axes)
-        room = wall.distances(places.reshape(-1, 3)).reshape(len(middles), -1)
+        # Only what may be wider than the best so far is measured.
+        is_asked = wall.bounds(places.reshape(-1, 3)).reshape(len(middles), -1) > radii[:, None]
+        room = np.zeros(is_asked.shape)
+        room[is_asked] = wall.distances(places[is_asked])
         at = room.argmax(axis=1)
         is_more = room[rows, at] > radii
         best = np.where(is_more[:, None], tried[rows, at], best)

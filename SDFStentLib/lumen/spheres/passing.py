@@ -8,10 +8,13 @@ largest least distance to the wall of all ways, first on a grid, then across the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
-from ...geometry import across, norm
-from ...validation import Floats, Indices, Points
+from ...geometry import across, connected, norm
+from ...validation import Flags, Floats, Indices, Points
 from .climb import InscribedSpheres
 from .local_surface import LocalSurface
 from .own import CENTERED, largest_in_disks
@@ -83,22 +86,29 @@ def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floa
     step = max(radius / _CELLS, float((high - low).max()) / _MOST)
     counts = np.maximum(np.ceil((high - low) / step).astype(int), 1) + 1
     grid = low + step * np.moveaxis(np.indices(counts), 0, -1)
-    room = wall.distances(grid.reshape(-1, 3)).reshape(counts)
-    begin, end = (_widest(room, np.linalg.norm(grid - one, axis=-1)) for one in ends)
-    levels = np.sort(room[room <= min(room[begin], room[end])])
+    away = [np.linalg.norm(grid - one, axis=-1) for one in ends]
+    # A way as wide as the throat passes through cells that are narrower by less than a cell.
+    for least in (radius - step, 0.0):
+        room = _rooms(wall, grid, away, least)
+        begin, end = (_widest(room, one) for one in away)
+        cells = _Cells.of(room, least)
+        parts = cells.parts(least)
+        if parts[begin] == parts[end] >= 0:
+            break
+    narrower = min(begin, end, key=room.__getitem__)
+    levels = np.sort(cells.rooms[cells.rooms <= room[narrower]])
     first, last = 0, len(levels)
     # Ends: half of the levels are left each time.
     while last - first > 1:
         middle = (first + last) // 2
-        parts = _connected(room >= levels[middle])
+        parts = cells.parts(levels[middle])
         first, last = (middle, last) if parts[begin] == parts[end] else (first, middle)
-    if first and first == len(levels) - 1:
-        narrower = min(begin, end, key=room.__getitem__)
+    if levels[first] == room[narrower] and np.count_nonzero(room <= room[narrower]) > 1:
         return np.r_[grid[narrower], room[narrower]]
     narrowest = grid[room == levels[first]][0]
-    parts = _connected(room > levels[first])
+    parts = cells.parts(np.nextafter(levels[first], np.inf))
     is_near = np.linalg.norm(grid - narrowest, axis=-1) < _NEAR * step
-    sides = [grid[is_near & (parts == parts[one]) & (parts > 0)] for one in (begin, end)]
+    sides = [grid[is_near & (parts == parts[one]) & (parts >= 0)] for one in (begin, end)]
     # Cells see each other through a wall that none of them is as near to.
     if levels[first] < step or parts[begin] == parts[end] or not all(map(len, sides)):
         return np.full(4, np.nan)
@@ -120,10 +130,48 @@ def _widest(room: Floats, away: Floats) -> tuple[int, ...]:
     return tuple(int(one) for one in np.unravel_index(at, room.shape))
 
 
-def _connected(inside: np.ndarray) -> Indices:
-    """Numbers of the connected parts of a grid's cells, 0 outside of them."""
-    # Imported here: few vessels have such a throat, and every start would wait for it.
-    from scipy import ndimage
+def _rooms(wall: LocalSurface, grid: Floats, away: Sequence[Floats], least: float) -> Floats:
+    """Distances from the cells of a grid to the wall, 0 for most that are nearer than `least`.
 
-    parts: Indices = ndimage.label(inside, np.ones((3, 3, 3)))[0]
-    return parts
+    They are known of the cells that are the least `away` from the ends, too.
+    """
+    is_asked = wall.bounds(grid.reshape(-1, 3)).reshape(grid.shape[:-1]) >= least
+    is_asked.flat[[one.argmin() for one in away]] = True
+    room = np.zeros(is_asked.shape)
+    room[is_asked] = wall.distances(grid[is_asked])
+    return room
+
+
+class _Cells(NamedTuple):
+    """Cells of a grid that are far enough from the wall, and pairs of neighbors among them."""
+
+    is_one: Flags
+    """Whether a cell of the grid is one of these (n,)."""
+    rooms: Floats
+    """(n,) distances from the wall, mm."""
+    pairs: Indices
+    """(2, p) neighbors, also those that share a corner."""
+    links: Floats
+    """(p,) smaller one of their distances, mm."""
+
+    @classmethod
+    def of(cls, room: Floats, least: float) -> _Cells:
+        """The cells that are at least so far from the wall."""
+        is_one = room >= least
+        rooms = room[is_one]
+        # With an empty cell all round no step leads to another row.
+        number = np.full(np.add(room.shape, 2), -1)
+        number[1:-1, 1:-1, 1:-1][is_one] = np.arange(len(rooms))
+        strides = np.array(number.strides) // number.itemsize
+        steps = (np.indices((3, 3, 3)).reshape(3, -1).T - 1) @ strides
+        beside = number.ravel()[np.flatnonzero(number >= 0)[:, None] + steps[steps > 0]]
+        one, step = np.nonzero(beside >= 0)
+        pairs = np.stack([one, beside[one, step]])
+        return cls(is_one, rooms, pairs, rooms[pairs].min(axis=0))
+
+    def parts(self, level: float) -> Indices:
+        """Number of the connected part of each cell of the grid; -1 for those below a level."""
+        _, parts = connected(len(self.rooms), *self.pairs[:, self.links >= level])
+        found = np.full(self.is_one.shape, -1)
+        found[self.is_one] = np.where(self.rooms >= level, parts, -1)
+        return found
