@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -146,30 +144,13 @@ def _wanted(line: LesionLine, along: Floats) -> Floats:
     return np.asarray(healthy**2 * line.area_ratio)
 
 
-class HealthySections:
-    """Sections along some healthy vessels, all cut together when an area is first asked for."""
-
-    def __init__(self, surface: Surface, asked: Sequence[tuple[VesselRun, Plateau]]) -> None:
-        self._surface, self._asked = surface, asked
-
-    def area(self, number: int) -> float:
-        """The area of their least oblong section, where it is as wide as the plateau, mm^2."""
-        return self._areas[number]
-
-    @cached_property
-    def _areas(self) -> list[float]:
-        stations = [_along_plateau(run, side) for run, side in self._asked]
-        lines, ways = (np.concatenate([one[k] for one in stations]) for k in (0, 1))
-        cut = equivalent_diameters(self._surface.points, self._surface.triangles, lines, ways)
-        areas = []
-        for (_, side), sections, one in zip(
-            self._asked, cut.reshape(-1, _HEALTHY_SECTIONS), stations, strict=True
-        ):
-            own = sections <= OWN_SECTION * side.diameter
-            oblong = float((sections[own] / one[2][own]).min(initial=np.inf))
-            area = np.pi / 4 * (oblong * side.diameter) ** 2
-            areas.append(area if own.any() else float("nan"))
-        return areas
+def healthy_area(surface: Surface, run: VesselRun, side: Plateau) -> float:
+    """Area of the least oblong section along healthy vessel, mm^2; NaN where none is its own."""
+    places, ways, diameters = _along_plateau(run, side)
+    sections = equivalent_diameters(surface.points, surface.triangles, places, ways)
+    own = sections <= OWN_SECTION * side.diameter
+    oblong = float((sections[own] / diameters[own]).min(initial=np.inf))
+    return np.pi / 4 * (oblong * side.diameter) ** 2 if own.any() else float("nan")
 
 
 def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points, Floats]:

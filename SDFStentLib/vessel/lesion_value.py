@@ -26,7 +26,7 @@ class HealthyPlace:
     cut: Callable[[], float] = field(repr=False)
     """Function that measures its area."""
 
-    @property
+    @cached_property
     def area(self) -> float:
         """The area of the cross-section, mm^2; NaN where no closed one lies round the place."""
         return self.cut()

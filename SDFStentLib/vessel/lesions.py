@@ -28,7 +28,7 @@ from .branch_names import named_branches, size_words
 from .caliber import healthy_caliber
 from .found_narrowings import FoundNarrowing, found_narrowings, measured_runs
 from .lesion_measuring import lesions_after, measured
-from .lesion_sections import HealthySections
+from .lesion_sections import healthy_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import SMALLEST_DEGREE, Plateau
 from .runs import VesselRun, is_main
@@ -240,22 +240,14 @@ def _healthy_places(
     surface: Surface, found: Sequence[FoundNarrowing]
 ) -> list[tuple[HealthyPlace | None, HealthyPlace | None]]:
     """The healthy places of all narrowings, with areas where sections are those of their vessel."""
-    asked = [(one.run, side) for one in found for side in one.sides if side is not None]
-    sections = HealthySections(surface, asked)
-    places = (
-        HealthyPlace(
-            as_place(_at(run, side.arc_length)),
-            side.arc_length,
-            side.diameter,
-            partial(sections.area, number),
-        )
-        for number, (run, side) in enumerate(asked)
-    )
 
-    def next_of(side: Plateau | None) -> HealthyPlace | None:
-        return None if side is None else next(places)
+    def place(run: VesselRun, side: Plateau | None) -> HealthyPlace | None:
+        if side is None:
+            return None
+        point, area = _at(run, side.arc_length), partial(healthy_area, surface, run, side)
+        return HealthyPlace(as_place(point), side.arc_length, side.diameter, area)
 
-    return [(next_of(one.sides[0]), next_of(one.sides[1])) for one in found]
+    return [(place(one.run, one.sides[0]), place(one.run, one.sides[1])) for one in found]
 
 
 def _at(run: VesselRun, along: float) -> Floats:
