@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 import stat
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -47,7 +46,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         No such folder, no permission, `path` is no ordinary file, or the disk is full.
     """
     target = check_writable(path)
-    temporary = target.with_name(f".sdfstent-{secrets.token_hex(6)}{target.suffix}")
+    temporary = target.with_name(f".sdfstent-{os.urandom(6).hex()}{target.suffix}")
     try:
         os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         if target.exists():
