@@ -27,6 +27,7 @@ from ..geometry import (
 )
 from ..validation import Flags, Floats, Place, Points, Triangles, as_place
 from .ends import Spot, are_ends, spot
+from .tolerances import ACROSS
 
 FLAT = np.cos(np.deg2rad(5.0))
 """Cosine of the angle between normals below which faces lie in one plane.
@@ -38,10 +39,8 @@ differ by less; its normals cancel.
 """
 
 RIM = np.cos(np.deg2rad(45.0))
-"""Cosine of the angle at which a cap meets the wall at least; a flat spot of the wall does not."""
-
-ACROSS = np.cos(np.deg2rad(30.0))
-"""Cosine between an axis and the normal of a cap that counts as across it."""
+"""Cosine of the angle between the normals of a cap and of wall, at least; a flat spot of the wall
+meets the rest at less."""
 
 FEWEST_FACES = 6
 _IN_ONE_PLANE = 2
@@ -172,12 +171,17 @@ def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool
     return is_capped
 
 
+def in_caps(surface: Surface) -> Flags:
+    """Mask (m,) of the triangles that belong to a flat cap."""
+    is_capped = np.zeros(len(surface.triangles), dtype=bool)
+    for cap in caps_of(surface):
+        is_capped[cap.faces] = True
+    return is_capped
+
+
 def wall_of(surface: Surface) -> Triangles:
     """The triangles (k, 3) that do not belong to a flat cap."""
-    is_wall = np.ones(len(surface.triangles), dtype=bool)
-    for cap in caps_of(surface):
-        is_wall[cap.faces] = False
-    return surface.triangles[is_wall]
+    return surface.triangles[~in_caps(surface)]
 
 
 def off_caps(surface: Surface) -> Points:

@@ -14,21 +14,15 @@ from numpy.typing import NDArray
 from ..geometry import Line, Surface, SurfaceIndex, compacted, dot, may_meet_box, nearest_distances
 from ..validation import Flags, Floats, Indices, Points, Triangles
 from .caps import caps_across, flat_caps
-from .spheres import InscribedSpheres, inscribed_spheres
+from .spheres import InscribedSpheres, inscribed_spheres, some_corners
 from .stations import Stations
+from .tolerances import ACROSS, END_REACH, FARTHEST, NOTHING
 
 ROUND = 0.98
 """Inscribed over equivalent diameter from which a sphere fills its section: no end is nearer."""
 
 TOUCH = 1e-3
 """Share of its radius by which a surface may be farther from a sphere's center and touch it."""
-
-IN_SURFACE = 1e-6
-"""mm."""
-
-
-BESIDE = 4.0
-"""Part of the lumen's radius within which a sphere, or what it touches, lies from its station."""
 
 
 class SurfacePart(NamedTuple):
@@ -48,7 +42,7 @@ def part_near(points: Points, triangles: Triangles, stations: Points, radius: fl
     Two further points, the corners of the whole surface's box, keep the box as large: a sphere
     that leaves it is outside.
     """
-    low, high = stations.min(axis=0) - BESIDE * radius, stations.max(axis=0) + BESIDE * radius
+    low, high = stations.min(axis=0) - FARTHEST * radius, stations.max(axis=0) + FARTHEST * radius
     numbers = np.flatnonzero(may_meet_box(points, triangles, low, high))
     near, kept = compacted(points, triangles.take(numbers, axis=0))
     return SurfacePart(np.vstack([near, points.min(axis=0), points.max(axis=0)]), kept, numbers)
@@ -69,7 +63,7 @@ def touches(
         return found
     centers, radii = spheres.at(known)
     # For a sphere of radius 0 rounding decides what it touches.
-    reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
+    reach = np.maximum((1 + TOUCH) * radii, NOTHING)
     ample = (1 + TOUCH) * reach[:, None]
     low, high = (centers - ample).min(axis=0), (centers + ample).max(axis=0)
     near = may_meet_box(points, triangles, low, high)
@@ -84,7 +78,7 @@ def touches(
     is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
     is_through = distance < (1 - TOUCH) * radii[query]
     # For a center in the surface itself, rounding decides the direction.
-    found[known[query[is_ahead | is_through | (distance < IN_SURFACE)]]] = True
+    found[known[query[is_ahead | is_through | (distance < NOTHING)]]] = True
     return found
 
 
@@ -93,19 +87,13 @@ def fills(spheres: InscribedSpheres, equivalent: Floats) -> Flags:
     return np.asarray(2 * spheres.radii > ROUND * equivalent)
 
 
-AHEAD = np.cos(np.deg2rad(30.0))
-"""Cosine to the axis, on the side of its nearer end, from which a sphere that touches the surface
-may touch a cap."""
-
 SQUARELY = np.cos(np.deg2rad(15.0))
-"""Cosine likewise for an end that is no flat cap; between is the ridge of a flow divider, for
+"""Cosine to the axis, on the side of its nearer end, from which a sphere that touches the surface
+may touch an end that is no flat cap; from there to `ACROSS` is the ridge of a flow divider, for
 example."""
 
 CAPS_WITHIN = 2.0
 """Caps are looked for so near to the ends of an axis, in widths of the lumen from axis to wall."""
-
-_SOME = 1000
-"""Number of the surface's corners by which the width is estimated."""
 
 
 class OpenWall(NamedTuple):
@@ -123,7 +111,7 @@ def open_at_ends(surface: Surface, axis: Points) -> OpenWall:
     Without them no sphere climbs along a cap, in many small steps, only to be measured without it.
     """
     points, triangles = surface.points, surface.triangles
-    some = points[triangles[:: max(1, len(triangles) // _SOME), 0]]
+    some = some_corners(points, triangles)
     reach = CAPS_WITHIN * float(nearest_distances(axis, some).max())
     is_capped = caps_across(surface, axis, reach)
     caps = np.flatnonzero(is_capped)
@@ -143,11 +131,11 @@ def past_closed_ends(
     stations, directions, spheres, equivalent = measured
     arc = Line(stations).arc_lengths
     to_end = np.minimum(arc, arc[-1] - arc)
-    # Within a radius of the lumen, and a tenth for the sag of a bend; sections may be NaN.
-    near_end = to_end <= 1.1 * np.fmax(spheres.radii, equivalent / 2)
+    # Sections may be NaN.
+    near_end = to_end <= END_REACH * np.fmax(spheres.radii, equivalent / 2)
     at_end = np.flatnonzero(near_end & np.isfinite(spheres.radii))
     outward = np.where((arc < arc[-1] / 2)[:, None], -directions, directions)
-    at_end = at_end[touches(points, triangles, outward[at_end], spheres.at(at_end), AHEAD)]
+    at_end = at_end[touches(points, triangles, outward[at_end], spheres.at(at_end), ACROSS)]
     if not len(at_end):
         return measured
     width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
@@ -179,7 +167,7 @@ def _are_limited(points: Points, caps: Triangles, spheres: InscribedSpheres) -> 
         return np.zeros(len(spheres.radii), dtype=bool)
     distance = SurfaceIndex(points, caps).distances(spheres.centers).distance
     apart = np.abs(distance - spheres.radii)
-    return np.asarray(apart <= np.maximum(TOUCH * spheres.radii, IN_SURFACE))
+    return np.asarray(apart <= np.maximum(TOUCH * spheres.radii, NOTHING))
 
 
 def _in_caps(
@@ -197,7 +185,7 @@ def _in_caps(
         offset = stations - points[triangles[near[cap.faces]]].mean(axis=(0, 1))
         beside = dot(offset, offset).argmin()
         # The sides of a box are flat spots with a steep rim as well.
-        if abs(cap.normal @ directions[beside]) >= AHEAD:
+        if abs(cap.normal @ directions[beside]) >= ACROSS:
             is_capped[near[cap.faces]] = True
     return is_capped
 

@@ -8,9 +8,7 @@ from numpy.typing import ArrayLike
 from ..geometry import across, plane_section, product
 from ..validation import Floats, InputError, Points, Triangles, as_points
 from .section_areas import section_areas
-
-_STATIONS = 64
-"""Number of stations that are cut together; a small one keeps the part of the surface local."""
+from .tolerances import ROUNDING
 
 
 def equivalent_diameters(
@@ -43,15 +41,14 @@ def equivalent_diameters(
             f"directions: expected one for each of the {len(centers)} centers, "
             f"got {len(directions)}."
         )
-    if len(directions) and not directions.any(axis=1).all():
+    if not directions.any(axis=1).all():
         raise InputError("directions: expected no zero vector; remove repeated axis points.")
+    if not len(centers):
+        return np.empty(0)
     normals = directions / np.linalg.norm(directions, axis=1)[:, None]
-    areas = np.empty(len(centers))
-    for start in range(0, len(centers), _STATIONS):
-        block = slice(start, start + _STATIONS)
-        areas[block], doubtful = section_areas(points, triangles, centers[block], normals[block])
-        for number in start + np.flatnonzero(doubtful):
-            areas[number] = _lumen_area(points, triangles, centers[number], directions[number])
+    areas, doubtful = section_areas(points, triangles, centers, normals)
+    for number in np.flatnonzero(doubtful):
+        areas[number] = _lumen_area(points, triangles, centers[number], directions[number])
     return 2 * np.sqrt(np.where(np.isfinite(areas), areas, np.nan) / np.pi)
 
 
@@ -60,7 +57,7 @@ def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction:
     # "below" and "above"; who is as near to the plane as rounding is neither, and goes on.
     normal = direction / np.linalg.norm(direction)
     heights = product(points - center, normal)
-    margin = 1e-9 * max(1.0, float(np.abs(center).max()))
+    margin = ROUNDING * max(1.0, float(np.abs(center).max()))
     side = (heights < -margin).astype(np.uint8) | (heights > margin).astype(np.uint8) << 1
     cut = triangles[(side[triangles[:, 0]] & side[triangles[:, 1]] & side[triangles[:, 2]]) == 0]
     if len(cut) == 0:

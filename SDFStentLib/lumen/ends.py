@@ -14,21 +14,14 @@ import numpy as np
 
 from ..geometry import Surface, SurfaceIndex, closest_on_segments, norm
 from ..validation import Flags, Floats, Indices, Points
-
-ABOUT = 1.5
-"""Ratio of the lumen's width to a spot's up to which both are about as wide."""
+from .tolerances import ASKEW, OWN_WIDTH, ROUNDING
 
 _DEPTH = 2.0
 """Depth to which a spot is looked at, in its narrow radii: as deep as it is wide."""
 
-_INWARD = np.cos(np.deg2rad(60.0))
-"""Angle of a spot's normal to the vessel within which a vessel cut askew goes on."""
-
 _RAYS = 64
 _BELOW = 0.01
 """Distance from a spot, as a share of its narrow radius, at which its inner side is looked for."""
-
-_ON_EDGE = 1e-9
 
 
 class Spot(NamedTuple):
@@ -71,7 +64,7 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     for place, number in enumerate(own):
         spot_of[spots[number].faces] = place
     middles = centers + _DEPTH * narrow[:, None] * inward
-    spans = (within != beyond) & _meet_wall(index, spot_of, middles, ABOUT * narrow)
+    spans = (within != beyond) & _meet_wall(index, spot_of, middles, OWN_WIDTH * narrow)
     for row in np.flatnonzero(spans).tolist():
         wall = _near(index, spot_of, row, centers[row], 2 * spots[own[row]].wide)
         found[own[row]] = _goes_on(wall, centers[row], inward[row], 2 * spots[own[row]].wide)
@@ -113,7 +106,7 @@ def _goes_on(corners: Floats, center: Floats, inward: Floats, reach: float) -> b
         s = (ways @ np.cross(v, from_first).T) * scale
         t = (ways @ np.cross(from_first, u).T) * scale
         length = (from_first * normal).sum(axis=1) * scale
-        is_met = (s >= -_ON_EDGE) & (t >= -_ON_EDGE) & (s + t <= 1 + _ON_EDGE)
+        is_met = (s >= -ROUNDING) & (t >= -ROUNDING) & (s + t <= 1 + ROUNDING)
         is_met &= (length > 0) & (length <= reach)
     return not bool(is_met.any(axis=1).all())
 
@@ -121,7 +114,7 @@ def _goes_on(corners: Floats, center: Floats, inward: Floats, reach: float) -> b
 def _cone(inward: Floats) -> Points:
     """Directions (_RAYS, 3) evenly over a cone: a spiral of Fibonacci."""
     number = np.arange(_RAYS)
-    height = 1 - (1 - _INWARD) * number / (_RAYS - 1)
+    height = 1 - (1 - ASKEW) * number / (_RAYS - 1)
     turn = number * np.pi * (3 - np.sqrt(5.0))
     side = np.cross(inward, np.eye(3)[np.abs(inward).argmin()])
     side /= np.linalg.norm(side)

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Line, Surface, search_tree
+from ..geometry import Line, Surface
 from ..validation import Floats, Points, read_only
+from .tolerances import FARTHEST
 from .wall_map import (
     RAYS,
+    RAYS_APART,
     NearWall,
     WallMap,
+    corner_tree,
     cuts_across,
     frames_along,
     near_wall,
@@ -32,24 +33,12 @@ LONGEST = 6.0
 WIDEST = 240.0
 """or part of its circumference that it does not reach, degrees."""
 
-SPACING = 0.5
-"""Distance of the stations, mm; less in a narrow vessel."""
-
 _FINEST, _FINE, _COARSE = 0.1, 0.125, 0.25
-"""Smallest spacing, mm; the largest, and that of the search for the middle, in radii."""
+"""Smallest spacing of the stations, mm; the largest, and that of the search for the middle, in
+radii."""
 
 _CENTERINGS = 3
 """Number of steps to the middle; each leaves about a tenth of the way."""
-
-FARTHEST = 4.0
-"""Wall farther from the axis than so many times the largest distance to its nearest wall is that
-of other vessels."""
-
-_SOME = 20000
-"""Number of points of the surface among which the nearest are looked for."""
-
-_trees: WeakKeyDictionary[Surface, Any] = WeakKeyDictionary()
-"""Search trees of these points, kept since every stent asks for them, before and after."""
 
 _SDS = 4.0
 """Standard deviations at which smoothing ends."""
@@ -111,7 +100,7 @@ def expected_tube(surface: Surface, axis: Line) -> Tube:
     for _ in range(_CENTERINGS):
         wall = few.seen(shift)
         shift = shift + _to_middle(wall, expected_wall(wall, radius), radius)
-    stations = axis.resampled(float(np.clip(_FINE * radius, _FINEST, SPACING))).points
+    stations = axis.resampled(float(np.clip(_FINE * radius, _FINEST, RAYS_APART))).points
     at = np.linspace(0.0, float(few.arc_length[-1]), len(stations))
     moved = np.einsum("ij,ijk->ik", shift, few.along[:, 1:])
     middle = stations + _interpolated(at, few.arc_length, moved)
@@ -122,10 +111,7 @@ def expected_tube(surface: Surface, axis: Line) -> Tube:
 def far_reach(surface: Surface, stations: Points) -> float:
     """The distance from some points (n, 3) within which the wall of their vessel is
     looked for, mm."""
-    if (tree := _trees.get(surface)) is None:
-        some = surface.points[:: max(1, len(surface.points) // _SOME)]
-        tree = _trees[surface] = search_tree(some)
-    return FARTHEST * float(tree.query(stations)[0].max())
+    return FARTHEST * float(corner_tree(surface).query(stations)[0].max())
 
 
 def _interpolated(at: Floats, known: Floats, values: Points) -> Points:

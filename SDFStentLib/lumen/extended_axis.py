@@ -14,6 +14,7 @@ from ..centerline import Centerline
 from ..geometry import Line, Surface, as_line, dot, norm
 from ..validation import Floats, InputError, Points, as_number
 from .spheres import SphereSearch, Until
+from .tolerances import NOTHING, TOLERANCE
 
 _STEP = 0.5
 """Length of a step, as a fraction of the radius."""
@@ -24,14 +25,6 @@ a wider vessel, half of that vessel's radius may lead out of the lumen."""
 
 _NARROWEST = 0.05
 """Inscribed radius below which a lumen ends, mm."""
-
-NOTHING = 1e-6
-"""Length, mm, that is no more than rounding: a loop that goes on by less may never end."""
-
-_CLOSELY = 1e-4
-"""Least promised gain, mm, for which the search for a sphere on the way goes on. Where a lumen is
-flat the middle is known far less well than the radius, and ways that go on from there part at a
-junction: at 0.01 they led up to 15 mm apart, by how the search begins."""
 
 
 def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> list[Points]:
@@ -45,7 +38,7 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
     last = np.array([axis[-1] for axis in axes])
     search = SphereSearch(surface, last, reach)
     along = np.array([axis[-1] - axis[-2] for axis in axes])
-    middles, radii = search.spheres(last, along / norm(along)[:, None], Until(_CLOSELY))
+    middles, radii = search.spheres(last, along / norm(along)[:, None], Until(TOLERANCE))
     goes_on = np.flatnonzero(radii > _NARROWEST)
     heading = np.zeros((len(axes), 3))
     for way in goes_on.tolist():
@@ -59,7 +52,7 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
         whole = _STEP * radii[goes_on]
         step = np.minimum(np.minimum(whole, room[goes_on]), reach - traveled[goes_on])
         ahead = last[goes_on] + step[:, None] * heading[goes_on]
-        centers, wide = search.spheres(ahead, heading[goes_on], Until(_CLOSELY))
+        centers, wide = search.spheres(ahead, heading[goes_on], Until(TOLERANCE))
         # A sphere that shrinks this fast is near the end of the vessel.
         is_open = wide > radii[goes_on] - 0.5 * step
         goes_on, whole, wide = goes_on[is_open], whole[is_open], wide[is_open]

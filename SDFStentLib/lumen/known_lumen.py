@@ -13,6 +13,7 @@ from .closed_ends import OpenWall
 from .cross_section import equivalent_diameters
 from .spheres import InscribedSpheres, inscribed_spheres
 from .stations import Stations, measured_at
+from .tolerances import BESIDE_SPHERE
 from .wall_map import PAIRS
 
 _APART = 1 / np.sqrt(3.0)
@@ -77,9 +78,6 @@ def _longest_side(points: Points, triangles: Triangles) -> float:
     corners = [points.take(column, axis=0) for column in triangles.T]
     return max(float(norm(corners[k] - corners[k - 1]).max(initial=0.0)) for k in range(3))
 
-
-BESIDE_SPHERE = 1.02
-"""Distance from a sphere's center, in radii, beyond which wall plays no part in its climb's end."""
 
 MOST = 20_000
 """Number of stations kept for one surface, about 100 bytes each; above it all are forgotten."""

@@ -13,17 +13,12 @@ import numpy as np
 
 from ..cautions import Caution
 from ..centerline import USUAL, WIDER, Centerline, station_spacing
-from ..geometry import Line, Surface, SurfaceIndex, faces_at, norm, search_tree
+from ..geometry import Line, Surface, SurfaceIndex, faces_at, norm
 from ..validation import Flags, Floats, Points
-from .caps import flat_caps
+from .caps import RIM, in_caps
 from .spheres import InscribedSpheres, LocalSurface, StationSearch, Until
-
-END_REACH = 1.1
-"""Radii from the end of a vessel within which the sphere may touch its cap; a tenth for a cap that
-leans or is round."""
-
-TOLERANCE = 1e-4
-"""Tolerance of the search for the spheres, mm; far below what a tenth of a diameter needs."""
+from .tolerances import CENTERED, END_REACH, FARTHEST, ROUNDING, TOLERANCE
+from .wall_map import corner_tree
 
 _STATIONS = 24
 """Number of stations along a line from its end on: some four to six diameters."""
@@ -31,19 +26,9 @@ _STATIONS = 24
 _AT_ONCE = 8
 """Number of ends that are measured together; those that may be the widest come first."""
 
-BESIDE_MIDDLE = 0.5
-"""Radii from the middle of a vessel, and from its wall, at which a line that ends beside the middle
-is moved into it,"""
-
 IN_MIDDLE = 0.1
-"""and within which it has come there, unless it keeps to it no better farther on."""
-
-
-_STEEP = np.cos(np.deg2rad(45.0))
-"""Cosine of a normal to a line below which it is one of the wall rather than of a cap."""
-
-_ROUND = 3.0
-"""Radii round an end within which the wall beside it lies, and its cap."""
+"""Radii from the middle of a vessel within which a line has come there, unless it keeps to it no
+better farther on; one that ends less than `CENTERED` from the wall is moved so."""
 
 
 class EndStations(NamedTuple):
@@ -87,7 +72,7 @@ class LineEnds:
 
     def __init__(self, surface: Surface) -> None:
         self._surface = surface
-        self._corners = search_tree(surface.points)
+        self._corners = corner_tree(surface)
 
     def widths(self, ways: Sequence[Points]) -> Floats:
         """Widths (k,) of the vessel at some ends, mm: `Widths` for `Centerline.from_lines`.
@@ -115,29 +100,26 @@ class LineEnds:
         """Whether corners of the wall, of no cap across the line, lie beside where it begins."""
         line = self._line(way)
         radius = float(self._away(line.points).max())
-        near = self._corners.query_ball_point(way[0], BESIDE_MIDDLE * radius)
+        near = self._corners.query_ball_point(way[0], CENTERED * radius)
         near.append(int(self._corners.query(way[0])[1]))
         inward = line.at([min(2 * radius, line.length)])[0] - way[0]
         along = self._surface.vertex_normals[near] @ inward / np.linalg.norm(inward)
-        return bool((np.abs(along) < _STEEP).any())
+        return bool((np.abs(along) < RIM).any())
 
     def around(self, place: Points, radius: float) -> tuple[SurfaceIndex | None, ...]:
         """The wall near a place (3,) in a vessel of a radius, and its flat caps there."""
         points, triangles = self._surface.points, self._surface.triangles
         is_near = np.zeros(len(points), dtype=bool)
-        is_near[self._corners.query_ball_point(place, _ROUND * radius)] = True
-        near = triangles.compress(faces_at(is_near, triangles), axis=0)
-        is_wall = np.ones(len(near), dtype=bool)
-        for cap in flat_caps(points, near):
-            is_wall[cap.faces] = False
-        parts = near[is_wall], near[~is_wall]
+        is_near[self._corners.query_ball_point(place, FARTHEST * radius)] = True
+        near, is_cap = faces_at(is_near, triangles), in_caps(self._surface)
+        parts = triangles[near & ~is_cap], triangles[near & is_cap]
         return tuple(SurfaceIndex(points, part) if len(part) else None for part in parts)
 
     def _line(self, way: Points) -> Line:
         """Stations along a way, but within the sphere of the junction to which it leads."""
         line = Line(way)
         spacing = min(station_spacing(self._away(way)), line.length)
-        at = spacing * np.arange(1 + min(_STATIONS, int(line.length / spacing * (1 + 1e-9))))
+        at = spacing * np.arange(1 + min(_STATIONS, int(line.length / spacing * (1 + ROUNDING))))
         places = line.at(at)
         own = norm(places - way[-1]) >= self._away(way[-1:])
         count = len(at) if own.all() else int(np.argmin(own))
@@ -186,7 +168,7 @@ def with_ends_in_middle(
         begin = tree.points[way[0]]
         wall, cap = known.around(begin, stations.width / 2)
         reached = _where_in_middle(stations.apart_from(cap))
-        if reached is None or _away(wall, begin[None])[0] > BESIDE_MIDDLE * reached.radius:
+        if reached is None or _away(wall, begin[None])[0] > CENTERED * reached.radius:
             continue
         at = np.abs(tree.arc_length[way] - tree.arc_length[way[0]])
         which = way[at < reached.along]
@@ -225,7 +207,7 @@ def _where_in_middle(stations: EndStations) -> _Reached | None:
     if len(known) < 2:
         return None
     beside = norm(stations.points[known] - centers[known]) / radii[known]
-    usual = min(max(IN_MIDDLE, float(np.median(beside))), BESIDE_MIDDLE)
+    usual = min(max(IN_MIDDLE, float(np.median(beside))), CENTERED)
     first = int(known[np.argmax(beside <= usual)])
     beyond = known[stations.along[known] >= stations.along[first] + 2 * radii[first]]
     other = int(beyond[0]) if len(beyond) else int(known[-1])
@@ -235,7 +217,7 @@ def _where_in_middle(stations: EndStations) -> _Reached | None:
     inward = way / np.linalg.norm(way)
     offset = stations.points[: first + 1] - centers[first]
     aside = norm(offset - (offset @ inward)[:, None] * inward)
-    if aside.max() <= BESIDE_MIDDLE * radii[first] or offset[0] @ inward >= 0:
+    if aside.max() <= CENTERED * radii[first] or offset[0] @ inward >= 0:
         return None
     return _Reached(float(stations.along[first]), centers[first], inward, float(radii[first]))
 

@@ -30,7 +30,8 @@ from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, secti
 from .openings import FAR, labels_round
 from .rounded_ends import past_rounded_ends
 from .spheres import LocalSurface, StationSearch, Until, with_own_spheres
-from .stations import Stations, measured_at
+from .stations import CLOSELY, FINE_STATIONS, NEARLY, SPACING, Stations, measured_at
+from .tolerances import ALIKE, ROUNDING
 from .wall_map import RAYS, near_wall, rays_from
 
 SUSPECT = 1.2
@@ -83,18 +84,11 @@ def cut_at_ostia(
     return np.where(is_cut, np.fmin(whole, equivalent), equivalent), is_cut
 
 
-_APART = 1.0
-"""Distance of the stations that are measured, mm; those that are asked for are returned."""
-
 _MOST = 20_000
 """Stations between those that are asked for, at most: a line of kilometers is in another unit."""
 
-_NEARLY, _FALLS, _THROATS = 1.05, 1.01, 3
-"""Stations to look at more closely: at most this much wider than the narrowest one, with a lumen
-beside them this much wider, and at most this many,"""
-
-_FINE = np.delete(np.linspace(-1, 1, 17), [0, 8, 16])
-"""at these parts of the way to their neighbors."""
+_FINE = np.delete(np.linspace(-1, 1, FINE_STATIONS), [0, FINE_STATIONS // 2, -1])
+"""Places between stations that are looked at, as parts of the way to the neighbors."""
 
 _COLUMNS = ("arc_length", "centers", "inscribed_diameter", "equivalent_diameter", "is_cut")
 
@@ -183,7 +177,7 @@ class DiameterProfile:
             No station lies there.
         """
         # Stations are computed positions: one that is meant to be at the end may round beyond.
-        chosen = (self.arc_length >= start - 1e-9) & (self.arc_length <= end + 1e-9)
+        chosen = (self.arc_length >= start - ROUNDING) & (self.arc_length <= end + ROUNDING)
         if not chosen.any():
             raise InputError(
                 f"over: expected a part of 0 to {self.arc_length[-1]:g} mm that holds a station, "
@@ -202,7 +196,7 @@ class DiameterProfile:
 
 
 def diameter_profile(
-    surface: Surface, axis: Line | ArrayLike, spacing: float = 1.0
+    surface: Surface, axis: Line | ArrayLike, spacing: float = SPACING
 ) -> DiameterProfile:
     """Inscribed and equivalent diameter at stations along an axis.
 
@@ -232,7 +226,7 @@ def diameter_profile(
     line = as_line(axis)
     count = segment_count(line.length, spacing)
     # Farther apart they would cut the bends of the axis, and look across its chords.
-    between = max(1, round(min(line.length, _MOST * _APART) / count / _APART))
+    between = max(1, round(min(line.length, _MOST * SPACING) / count / SPACING))
     stations = line.resampled_to(count * between + 1)
     wall = open_at_ends(surface, stations.points)
     measured = measured_at(surface, stations.points, stations.directions, wall.triangles)
@@ -294,10 +288,10 @@ def _lowest(diameters: Floats, part: slice) -> list[int]:
     """The narrowest stations of a part between which and the next ones a throat may lie."""
     own, first = diameters[part], part.indices(len(diameters))[0]
     beside = np.stack([own[:-2], own[2:]])
-    is_low = (own[1:-1] <= beside.min(axis=0)) & (own[1:-1] * _FALLS < beside.max(axis=0))
-    is_low &= own[1:-1] <= _NEARLY * np.nanmin(np.append(own, np.inf))
+    is_low = (own[1:-1] <= beside.min(axis=0)) & (own[1:-1] * ALIKE < beside.max(axis=0))
+    is_low &= own[1:-1] <= NEARLY * np.nanmin(np.append(own, np.inf))
     low = 1 + np.flatnonzero(is_low)
-    return (first + low[np.argsort(own[low], kind="stable")][:_THROATS]).tolist()
+    return (first + low[np.argsort(own[low], kind="stable")][:CLOSELY]).tolist()
 
 
 def _throats(

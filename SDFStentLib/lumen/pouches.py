@@ -7,6 +7,8 @@ import numpy as np
 from ..centerline import Centerline
 from ..geometry import Surface, boundary_edges, dot, norm, search_tree, vertex_normals
 from ..validation import Floats, Indices, Points
+from .tolerances import ROUNDING
+from .wall_map import corner_tree
 
 AS_LONG = 2.0
 """Length over width from which on an outgrowth of a vessel is itself a vessel, by definition."""
@@ -70,7 +72,7 @@ def _leads_to(
 ) -> bool:
     """Whether points of a line not far from a neck are nearest to the wall beyond it."""
     around = tree.points[norm(tree.points - middle) < 2 * length]
-    return bool(np.isin(search_tree(surface.points).query(around)[1], own).any())
+    return bool(np.isin(corner_tree(surface).query(around)[1], own).any())
 
 
 def _widest(
@@ -118,7 +120,7 @@ def _grown(wall: Points, touching: Points, inward: Floats) -> tuple[Points, Floa
         arms = wall[tree.query(centers)[1]] - touching
         height = dot(arms, inward)
         met = np.divide(dot(arms, arms), 2 * height, out=radii.copy(), where=height > 0)
-        shrinks = (met < (1 - 1e-9) * radii) & (met > 0)
+        shrinks = (met < (1 - ROUNDING) * radii) & (met > 0)
         if not shrinks.any():
             return centers, radii
         radii = np.where(shrinks, met, radii)

@@ -8,9 +8,10 @@ import numpy as np
 
 from ..geometry import Line, Surface
 from ..validation import Floats, Indices, Points
-from .extended_axis import NOTHING, ExtendedAxis
+from .extended_axis import ExtendedAxis
 from .metrics import DiameterProfile, profile_of
-from .stations import Stations
+from .stations import SPACING, Stations
+from .tolerances import NOTHING
 
 
 class AxisStations(NamedTuple):
@@ -35,7 +36,7 @@ class AxisStations(NamedTuple):
     parts: tuple[slice, ...]
 
 
-def axis_stations(axis: ExtendedAxis, spacing: float = 1.0) -> AxisStations:
+def axis_stations(axis: ExtendedAxis, spacing: float = SPACING) -> AxisStations:
     """Stations of about equal spacing, mm, beyond each end and along the stent."""
     last = axis.before + axis.stent_length
     # The ends of the stent are stations of its own part.

@@ -22,13 +22,11 @@ from ..geometry import (
     used_points,
 )
 from ..validation import Flags, Floats, Indices, Points, Triangles
+from .spheres import AROUND, some_corners
 from .wall_map import PAIRS
 
-_FEW = 16
+_FEW = 32
 """Number of stations whose part of the surface is looked at first."""
-
-_MARGIN = 2.5
-"""Half width of the box round the stations, in distances from them to the nearest vertex."""
 
 
 class SectionAreas(NamedTuple):
@@ -173,9 +171,9 @@ def _near(points: Points, triangles: Triangles, centers: Points) -> tuple[Points
 
 
 def _near_triangles(points: Points, triangles: Triangles, centers: Points) -> Triangles:
-    some = points[triangles[:: max(1, len(triangles) // 1000), 0]] if len(triangles) else points
+    some = some_corners(points, triangles) if len(triangles) else points
     squared = dot(centers, centers)[:, None] - 2 * product(centers, some.T) + dot(some, some)
-    margin = _MARGIN * np.sqrt(max(float(squared.min(axis=1, initial=np.inf).max()), 0.0))
+    margin = AROUND * np.sqrt(max(float(squared.min(axis=1, initial=np.inf).max()), 0.0))
     low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
     return triangles.compress(may_meet_box(points, triangles, low, high), axis=0)
 

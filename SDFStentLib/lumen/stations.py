@@ -11,6 +11,20 @@ from ..validation import Floats, Indices, Points, Triangles
 from .cross_section import equivalent_diameters
 from .spheres import InscribedSpheres, inscribed_spheres
 
+SPACING = 1.0
+"""Distance of the stations along a vessel, mm."""
+
+FINE_STATIONS = 17
+"""Places between the neighbors of a station where a lumen is looked at more closely: a smooth
+throat is missed by less than 0.03 % of its reference."""
+
+NEARLY = 1.05
+"""Ratio to the narrowest station up to which others are looked at so, too: a wall of triangles has
+dips that are shorter than stations are apart."""
+
+CLOSELY = 3
+"""Most places of a stent, or of a vessel beside it, that are looked at closely."""
+
 
 class Stations(NamedTuple):
     """Places along an axis in order, and the measured lumen there.

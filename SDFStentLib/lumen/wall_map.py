@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,18 +17,23 @@ from ..geometry import (
     nearest_distances,
     product,
     ranges,
+    search_tree,
 )
 from ..validation import Flags, Floats, Indices, Points, Triangles, read_only
+from .tolerances import ROUNDING
 
 RAYS = 144
 """Number of rays at each station, 2.5 degrees apart."""
+
+RAYS_APART = 0.5
+"""Distance of the stations of rays along a vessel, mm; less in a narrow one."""
 
 PAIRS = 1 << 21
 """Pairs of station and part of the surface that are looked at together; some 10 MB of
 temporaries."""
 
-_DECIDE, _SLACK = 6, 1e-9
-"""Places of an axis that are looked at first, and what rounding may do to a distance from them."""
+_DECIDE = 6
+"""Places of an axis that are looked at first."""
 
 _FEW = 2000
 """Number of triangles below which a surface is coarse, and they are selected by their boxes."""
@@ -75,6 +81,17 @@ class NearWall(NamedTuple):
     """(m,) indices of the triangles in the surface."""
 
 
+_trees: WeakKeyDictionary[Surface, Any] = WeakKeyDictionary()
+
+
+def corner_tree(surface: Surface) -> Any:
+    """Search tree of a surface's points, kept as long as that is in use: every stent asks for it,
+    before and after."""
+    if (tree := _trees.get(surface)) is None:
+        tree = _trees[surface] = search_tree(surface.points)
+    return tree
+
+
 def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
     """The triangles with a corner within `reach` mm of some points (n, 3)."""
     low, high = axis.min(axis=0) - reach, axis.max(axis=0) + reach
@@ -110,8 +127,8 @@ def _within(points: Points, axis: Points, reach: float) -> Flags:
     for place in few:
         x, y, z = columns - place[:, None]
         squared = np.minimum(squared, x * x + y * y + z * z)
-    is_near = squared < (reach * (1 - _SLACK)) ** 2
-    doubtful = np.flatnonzero(~is_near & (squared < ((reach + gap) * (1 + _SLACK)) ** 2))
+    is_near = squared < (reach * (1 - ROUNDING)) ** 2
+    doubtful = np.flatnonzero(~is_near & (squared < ((reach + gap) * (1 + ROUNDING)) ** 2))
     distance, _ = cKDTree(axis).query(points[doubtful], distance_upper_bound=reach)
     is_near[doubtful] = np.isfinite(distance)
     return is_near

@@ -1,5 +1,6 @@
 """Features of a vessel tree: vessels, branches, ends, ostia, lesions, and contact with a stent."""
 
+from ..lumen import OWN_WIDTH as OWN_WIDTH
 from .apposition import Apposition as Apposition
 from .apposition import apposition as apposition
 from .branch_lumen import branch_lumens as branch_lumens
@@ -8,7 +9,6 @@ from .branch_names import branch_names as branch_names
 from .given_names import VesselName as VesselName
 from .given_names import given_names as given_names
 from .lesion_measuring import lesions_after as lesions_after
-from .lesion_sections import OWN_SECTION as OWN_SECTION
 from .lesion_sections import tightest as tightest
 from .lesion_value import HealthyPlace as HealthyPlace
 from .lesion_value import Lesion as Lesion

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..geometry import Line, Surface, as_line
-from ..lumen import RAYS, Mask, near_wall, wall_map
+from ..lumen import RAYS, RAYS_APART, Mask, near_wall, wall_map
 from ..validation import Floats, as_number, read_only
 
 GAP = 0.3
@@ -21,9 +21,6 @@ NOTICED = 0.1
 
 MOST = 0.5
 """Share of the circumference above which a piece of the stent hangs free."""
-
-SPACING = 0.5
-"""The distance of the stations, mm."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +122,7 @@ def apposition(
     if not len(near.triangles):
         # Short and thin in a wide lumen: all of the wall is farther away than that.
         near = near_wall(surface, line.points, np.inf)
-    wall = wall_map(near, line, spacing=SPACING, window=widest)
+    wall = wall_map(near, line, spacing=RAYS_APART, window=widest)
     edges = wall.arc_length
     # A piece between two stations has the mean of both.
     own = radius_at(edges)[:, None]

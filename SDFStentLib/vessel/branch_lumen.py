@@ -12,12 +12,17 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import BranchLumen, Centerline
 from ..geometry import Surface, norm
-from ..lumen import END_REACH, TOLERANCE, InscribedSpheres, LocalSurface, StationSearch, Until
+from ..lumen import (
+    END_REACH,
+    ROUNDING,
+    TOLERANCE,
+    InscribedSpheres,
+    LocalSurface,
+    StationSearch,
+    Until,
+)
 from ..validation import Flags, Floats, Indices, InputError
 from .runs import VesselRun
-
-_SAFELY = 1 + 1e-9
-"""Factor on a sufficient radius, against rounding."""
 
 
 def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
@@ -50,7 +55,7 @@ class TreeLumen:
         directions = np.concatenate([lumen.line.directions for lumen in self._lumens])
         self._to_end = np.concatenate(_distances_to_ends(self._lumens))
         # What is wider than this so near to an end is not used, however wide it is.
-        until = Until(TOLERANCE, _SAFELY / END_REACH * self._to_end)
+        until = Until(TOLERANCE, (1 + ROUNDING) / END_REACH * self._to_end)
         wall = LocalSurface.of(surface, stations)
         self.spheres = StationSearch(wall, stations, directions, until)
         self._is_in = surface.contains(stations)

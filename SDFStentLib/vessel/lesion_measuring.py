@@ -13,6 +13,7 @@ import numpy as np
 from ..geometry import Surface, norm
 from ..lumen import (
     BESIDE_SPHERE,
+    NEARLY,
     InscribedSpheres,
     LocalSurface,
     MovedWall,
@@ -29,10 +30,6 @@ from .lesion_value import Lesion
 _MATTERS = 3.0
 """Distance of wall from a lesion's line, in diameters of its reference, beyond which it bounds
 neither its spheres nor its sections."""
-
-_NEARLY = 1.05
-"""Factor on its narrowest station up to which others of a lesion are looked at closely: a wall of
-triangles has dips that are shorter than stations are apart."""
 
 
 def measured(lesions: Sequence[Lesion], surface: Surface, wall: LocalSurface) -> list[Lesion]:
@@ -167,7 +164,7 @@ def _round_narrowest(lesion: Lesion) -> tuple[Floats, Points, Points]:
     middle = len(lesion.line) // 2
     runs = [(middle, middle)]
     if np.isfinite(lesion.diameters).any():
-        narrow = lesion.diameters <= _NEARLY * np.nanmin(lesion.diameters)
+        narrow = lesion.diameters <= NEARLY * np.nanmin(lesion.diameters)
         runs = runs_of(narrow).tolist()
     along = lesion.line.arc_lengths
     fine = np.unique(np.concatenate([between_neighbors(along, *run) for run in runs]))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Line, Surface, compacted, may_meet_box
-from ..lumen import equivalent_diameters
+from ..lumen import ALIKE, FINE_STATIONS, OWN_WIDTH, equivalent_diameters
 from ..validation import Floats, Points, Triangles
 from .caliber import KEPT
 from .narrowings import Plateau
@@ -17,23 +17,12 @@ SECTIONS = 16
 """The least number of sections along a lesion; there are two to a station: by areas of a vessel
 that are a quarter of its radius apart the smallest is known to the next ones."""
 
-OWN_SECTION = 1.5
-"""Times the inscribed diameter up to which the circle of a section's area may be wide: what is
-wider is the section of the vessel from which this one comes, or goes on into a branch."""
-
 _HEALTHY_SECTIONS = 5
 """Number of sections along healthy vessel, of which the least oblong gives the area: branches that
 leave, and lines that go aslant, only make them larger."""
 
 _BESIDE = 2.0
 """Distance from a lesion's line, in its widths, within which its own sections lie."""
-
-ABOUT = 1.01
-"""Times the narrowest up to which another place is as narrow."""
-
-FINE_STATIONS = 17
-"""Spheres between the neighbors of the narrowest station of a lesion's line, and sections between
-those of the smallest one: a smooth throat is missed by less than 0.03 % of its reference."""
 
 
 class Section(NamedTuple):
@@ -88,7 +77,7 @@ def tightest(sizes: Floats, references: Floats) -> int:
 
     A stent is as wide everywhere: what is left in it is told where most is missing.
     """
-    about = sizes <= ABOUT * np.nanmin(sizes)
+    about = sizes <= ALIKE * np.nanmin(sizes)
     return int(np.where(about, references / sizes, -np.inf).argmax())
 
 
@@ -123,13 +112,13 @@ def _own_areas(wall: tuple[Points, Triangles], line: LesionLine, along: Floats) 
     if not known.any():
         return np.full(len(along), np.nan)
     widths = np.interp(along, line.line.arc_lengths[known], line.diameters[known])
-    return np.where(sections <= OWN_SECTION * widths, np.pi / 4 * sections**2, np.nan)
+    return np.where(sections <= OWN_WIDTH * widths, np.pi / 4 * sections**2, np.nan)
 
 
 def _smallest(line: LesionLine, along: Floats, areas: Floats, minimum: float) -> Section:
     """The smallest of the areas at some arc lengths from its start."""
     wanted, unknown = _wanted(line, along), float("nan")
-    largest = OWN_SECTION**2 * np.pi / 4 * minimum**2
+    largest = OWN_WIDTH**2 * np.pi / 4 * minimum**2
     # Where a branch leaves at the throat, no section there is this vessel's alone.
     if not (np.isfinite(wanted) & (areas <= largest)).any():
         return Section(unknown, unknown, unknown)
@@ -148,7 +137,7 @@ def healthy_area(surface: Surface, run: VesselRun, side: Plateau) -> float:
     """Area of the least oblong section along healthy vessel, mm^2; NaN where none is its own."""
     places, ways, diameters = _along_plateau(run, side)
     sections = equivalent_diameters(surface.points, surface.triangles, places, ways)
-    own = sections <= OWN_SECTION * side.diameter
+    own = sections <= OWN_WIDTH * side.diameter
     oblong = float((sections[own] / diameters[own]).min(initial=np.inf))
     return np.pi / 4 * (oblong * side.diameter) ** 2 if own.any() else float("nan")
 

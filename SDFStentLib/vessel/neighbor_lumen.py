@@ -4,38 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
+from typing import NamedTuple
 
 import numpy as np
 
 from ..cautions import Caution
 from ..geometry import Line, Surface, frames, search_tree
 from ..lumen import (
+    ALIKE,
+    CLOSELY,
     FARTHEST,
+    OWN_WIDTH,
     RAYS,
+    SPACING,
     SUSPECT,
     Stations,
     across_alone,
+    corner_tree,
     near_wall,
     rays_from,
 )
 from ..validation import Flags, Floats, Indices, Points
-from .neighbor_ways import DISTAL, PROXIMAL, SHORTEST, NeighborWay
+from .neighbor_ways import DISTAL, PROXIMAL, NeighborWay
 
 NOTICEABLE = 0.05
 """Least noticeable loss, as a share of a diameter."""
-
-_SPACING = 1.0
-
-_MEASURED_AT = 3
-"""Stations of a neighbor at which it is measured."""
-
-_MOTION = 0.01
-"""Negligible motion of the wall, in distances from the way to the wall."""
-
-_BESIDE = 1.5
-"""Distance of wall that matters to a station, over that of the nearest."""
 
 
 @dataclass(frozen=True)
@@ -153,10 +146,6 @@ class _Part(NamedTuple):
     """Distance within which the wall round it is looked for, mm."""
 
 
-_walls: WeakKeyDictionary[Surface, Any] = WeakKeyDictionary()
-"""Search trees of all points of surfaces, as long as these are in use."""
-
-
 class _Moved:
     """The wall that a stent has moved."""
 
@@ -164,29 +153,26 @@ class _Moved:
         motion = np.linalg.norm(after.points - before.points, axis=1)
         moved = np.flatnonzero(motion > 0)
         self.motion = motion[moved]
-        # Of a vessel once for all first stents.
-        if (wall := _walls.get(before)) is None:
-            wall = _walls[before] = search_tree(before.points)
-        self.wall = wall
+        self.wall = corner_tree(before)
         self.points = search_tree(before.points[moved]) if len(moved) else None
 
     def part_of(self, way: NeighborWay) -> _Part | None:
         """The part of a way whose wall has moved; None where there is none of some length."""
-        if self.points is None or way.line.length <= SHORTEST:
+        if self.points is None or way.line.length <= SPACING:
             return None
-        stations = way.line.resampled(_SPACING).points
+        stations = way.line.resampled(SPACING).points
         distance = self.wall.query(stations)[0]
-        beside = self.points.query_ball_point(stations, _BESIDE * distance + _SPACING)
+        beside = self.points.query_ball_point(stations, OWN_WIDTH * distance + SPACING)
         largest = np.array([self.motion[own].max(initial=0.0) for own in beside])
-        rows = np.flatnonzero(largest > _MOTION * distance)
+        rows = np.flatnonzero(largest > (ALIKE - 1) * distance)
         if not len(rows):
             return None
         step = way.line.length / (len(stations) - 1)
         start, end = max(rows[0] - 1, 0) * step, (rows[-1] + 1) * step
         own = way.line.cut(start, end)
-        if own.length <= SHORTEST:
+        if own.length <= SPACING:
             return None
-        return _Part(way, start, own.resampled(_SPACING), FARTHEST * float(distance.max()))
+        return _Part(way, start, own.resampled(SPACING), FARTHEST * float(distance.max()))
 
 
 def _worst(part: _Part, surfaces: tuple[Surface, Surface]) -> Indices:
@@ -194,7 +180,7 @@ def _worst(part: _Part, surfaces: tuple[Surface, Surface]) -> Indices:
     first, second = (_seen(surface, part) for surface in surfaces)
     with np.errstate(invalid="ignore", divide="ignore"):
         losses = np.nan_to_num((1 - second / first).max(axis=0), nan=-np.inf, neginf=-np.inf)
-    return np.sort(np.argsort(losses)[-_MEASURED_AT:])
+    return np.sort(np.argsort(losses)[-CLOSELY:])
 
 
 def _lumen(part: _Part, worst: Indices, pairs: Floats) -> NeighborLumen:

@@ -9,21 +9,14 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Line, Surface
-from ..lumen import NOTHING, REACH, ExtendedAxis, through_lumen
+from ..lumen import CENTERED, NOTHING, REACH, SPACING, ExtendedAxis, through_lumen
 from ..validation import Points
 from .ostia import Ostium
 from .tree_around import LinesFromAxis
 
-SHORTEST = 1.0
-"""A way is longer, mm."""
-
 _OBLIQUE = 6.0
 """A branch's line is longer up to its opening by at most so many times the opening's distance from
 the axis: more would be a branch that leaves at less than 10 degrees."""
-
-_WITHIN = 0.5
-"""Radii of an ostium from its middle within which a way leads through it and not beside it, and
-from the axis beyond which it leaves the vessel there."""
 
 PROXIMAL, DISTAL = "the vessel proximal of the stent", "the vessel distal of the stent"
 """Names of the vessel beyond its ends."""
@@ -40,10 +33,10 @@ class NeighborWay(NamedTuple):
 def end_ways(axis: ExtendedAxis) -> tuple[NeighborWay, ...]:
     """Ways beyond the ends of the stent, as far as the axis goes on."""
     first, ways = axis.before + axis.stent_length, []
-    if axis.before > SHORTEST:
+    if axis.before > SPACING:
         start = axis.line.cut(0.0, axis.before).reversed()
         ways.append(NeighborWay(PROXIMAL, start))
-    if axis.after > SHORTEST:
+    if axis.after > SPACING:
         ways.append(NeighborWay(DISTAL, axis.line.cut(first, np.inf)))
     return tuple(ways)
 
@@ -72,7 +65,7 @@ class BranchWays:
         if self.centerline is None:
             return self._through(feet.points, ostia)
         reach = self.axis.line.length + _OBLIQUE * float(feet.distances.max()) + REACH
-        beside = _WITHIN * max(_size(ostium) for ostium in ostia)
+        beside = CENTERED * max(_size(ostium) for ostium in ostia)
         lines = LinesFromAxis(self.centerline, self.axis.line, reach, beside)
         return [_past(ostium, lines) for ostium in ostia]
 
@@ -81,7 +74,7 @@ class BranchWays:
         starts = [np.array([foot, ostium.center]) for foot, ostium in zip(feet, ostia, strict=True)]
         ways = through_lumen(self.surface, starts, REACH)
         lines = [Line(np.concatenate([s[1:], way])) for s, way in zip(starts, ways, strict=True)]
-        return [line if line.length > SHORTEST else None for line in lines]
+        return [line if line.length > SPACING else None for line in lines]
 
 
 def _past(ostium: Ostium, lines: LinesFromAxis) -> Line | None:
@@ -90,13 +83,13 @@ def _past(ostium: Ostium, lines: LinesFromAxis) -> Line | None:
     Where none does, that which passes nearest to it, the first of those equally near.
     """
     best, nearest = None, _size(ostium) + NOTHING
-    for own in lines.leaving(_WITHIN * _size(ostium), ostium.center, nearest):
+    for own in lines.leaving(CENTERED * _size(ostium), ostium.center, nearest):
         found = own.nearest(ostium.center[None])
         first = float(found.arc_lengths[0])
-        if found.distances[0] < nearest - NOTHING and own.length - first > SHORTEST:
+        if found.distances[0] < nearest - NOTHING and own.length - first > SPACING:
             nearest = float(found.distances[0])
             best = own.cut(first, first + REACH)
-            if nearest < _WITHIN * _size(ostium):
+            if nearest < CENTERED * _size(ostium):
                 break
     return best
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..centerline import Centerline
 from ..geometry import Line, Surface, compacted, may_meet_box, section_around
 from ..validation import Floats, Points, Triangles
-from ..vessel import OWN_SECTION, HealthyPlace, Lesion, tightest
+from ..vessel import OWN_WIDTH, HealthyPlace, Lesion, tightest
 
 SECTIONS = 33
 """Number of sections along a lesion, at least: as many as `measure` cuts at first, and one at its
@@ -159,7 +159,7 @@ def _outline(
     section = section_around(*wall, center, way)
     if section is None or not section.is_closed:
         return None
-    is_own = 2 * np.sqrt(section.area / np.pi) <= OWN_SECTION * expected
+    is_own = 2 * np.sqrt(section.area / np.pi) <= OWN_WIDTH * expected
     return section.start if is_own else None
 
 
@@ -174,7 +174,7 @@ def _width(outline: Points | None, way: Floats, toward: Floats) -> float:
 
 def _wall_round(surface: Surface, line: Line, expected: Floats) -> tuple[Points, Triangles]:
     """The part of a surface that holds all sections of the vessel alone, wound alike."""
-    reach = OWN_SECTION * float(expected.max())
+    reach = OWN_WIDTH * float(expected.max())
     low, high = line.points.min(axis=0) - reach, line.points.max(axis=0) + reach
     near = may_meet_box(surface.points, surface.triangles, low, high)
     return compacted(surface.points, surface.wound_triangles.compress(near, axis=0))

@@ -7,7 +7,9 @@ from .followed import followed_wall as followed_wall
 from .inscribed import SphereSearch as SphereSearch
 from .inscribed import StationSearch as StationSearch
 from .inscribed import inscribed_spheres as inscribed_spheres
+from .local_surface import AROUND as AROUND
 from .local_surface import LocalSurface as LocalSurface
+from .local_surface import some_corners as some_corners
 from .own import with_own_spheres as with_own_spheres
 from .passing import widest_passing as widest_passing
 from .passing import with_passing as with_passing

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...validation import Floats, Indices, Points
+from ..tolerances import ROUNDING
 from .local_surface import LocalSurface
 from .max_min_step import largest_steps
 from .near_walls import Neighborhood
@@ -31,6 +32,10 @@ WAY_BOX = 0.25
 """Box on a way: from one place to the next the middle moves farther than a search's end does. Where
 spheres end does not depend on it."""
 
+CORNERS = 2 * np.sqrt(2)
+"""Distance beyond a radius, in half widths of the box, past which wall plays no part in a step:
+inside the box the radius grows and every distance shrinks by at most its half diagonal."""
+
 _ROUNDS = 200
 """Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
 
@@ -39,9 +44,6 @@ _ROUGHLY, _FINER = 60, 30
 
 _TOGETHER = 800
 """Stations of about one size that are searched roughly together: every step costs something."""
-
-_ON_WALL = 1e-9
-"""Distance to the wall, mm, below which an axis point lies on it: rounding leaves no direction."""
 
 
 class InscribedSpheres(NamedTuple):
@@ -102,9 +104,9 @@ def _apart(
     """Spheres that a wall may part from their axis points, and how far it is from those, mm."""
     # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
     moved = np.linalg.norm(found.centers - starts, axis=1)
-    doubtful = np.flatnonzero(~(moved < found.radii - _ON_WALL))
+    doubtful = np.flatnonzero(~(moved < found.radii - ROUNDING))
     exact = surface.distances(starts[doubtful])
-    is_apart = ~(moved[doubtful] < found.radii[doubtful] + exact - _ON_WALL)
+    is_apart = ~(moved[doubtful] < found.radii[doubtful] + exact - ROUNDING)
     return doubtful[is_apart], exact[is_apart]
 
 
@@ -169,13 +171,12 @@ def climbed(
     spheres = InscribedSpheres(begin.centers.copy(), begin.radii.copy())
     centers, radii = spheres
     box = first_box * radii
-    active = np.flatnonzero(radii > _ON_WALL)
+    active = np.flatnonzero(radii > ROUNDING)
     near = Neighborhood(surface, len(centers))
     for _ in range(_ROUNDS):
         if len(active) == 0:
             break
-        # Inside the box the radius grows and every distance shrinks by at most its half diagonal.
-        reach = 2 * np.sqrt(2) * box[active]
+        reach = CORNERS * box[active]
         rows = near.rows(centers, radii, axes, reach, active)
         radii[active] = rows.radii
         step, height = largest_steps(rows, box[active])
@@ -186,12 +187,18 @@ def climbed(
         # The true radius lies between `height` and this; the next round finds it.
         radii[active] += length
         near.forget(active, length)
-        is_held = np.abs(step).max(axis=1) > 0.99 * box[active]
-        box[active] = np.where(is_held, 3 * box[active], 2 * length)
-        box[active] = np.clip(box[active], _SMALLEST_BOX * height, _LARGEST_BOX * height)
+        box[active] = next_boxes(step, height, box[active])
         outside = np.any((centers < surface.lowest) | (centers > surface.highest), axis=1)
         centers[outside], radii[outside] = np.nan, np.nan
         active = active[~outside[active]]
     if len(active):
         radii[active] = surface.distances(centers[active])
     return spheres
+
+
+def next_boxes(step: Floats, height: Floats, box: Floats) -> Floats:
+    """Half widths (n,) of the next boxes after steps (n, 2) to some heights: wider where a box held
+    its step."""
+    is_held = np.abs(step).max(axis=1) > 0.99 * box
+    wanted = np.where(is_held, 3 * box, 2 * np.linalg.norm(step, axis=1))
+    return np.clip(wanted, _SMALLEST_BOX * height, _LARGEST_BOX * height)

@@ -7,13 +7,15 @@ much larger it becomes when they move is right to about a percent.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from ...geometry import Balls, across, dot, norm
 from ...validation import Floats, Indices, Points
-from .climb import InscribedSpheres
+from ..tolerances import BESIDE_SPHERE
+from .climb import CORNERS, WAY_BOX, InscribedSpheres, next_boxes
 from .max_min_step import LinearRows, largest_steps
 
 _ACROSS = 6
@@ -26,14 +28,7 @@ the vessel reaches wall that no sphere touched before it."""
 _STEPS = 5
 """Steps of a climb; with more of them radii change by less than a percent."""
 
-_FIRST, _LEAST, _MOST = 0.25, 0.005, 0.5
-"""Half width of a step's box over the radius: the first one, and its limits."""
-
-_CORNER = 2.9
-"""Distance beyond a radius, in half widths of the box, past which wall plays no part in a step."""
-
-_TOUCHED = 1.1
-"""Radii of a sphere within which wall that has moved may change it."""
+Around = Callable[[Points], tuple[Indices, Points]]
 
 
 class FollowedWall(NamedTuple):
@@ -70,14 +65,15 @@ class FollowedWall(NamedTuple):
             norm(points.take(point, axis=0) - centers.take(station, axis=0))
             for points, centers in ((before, self.spheres.centers), (now, starts))
         ]
-        is_touching = np.minimum(*away) <= _TOUCHED * self.spheres.radii.take(station)
+        is_touching = np.minimum(*away) <= BESIDE_SPHERE * self.spheres.radii.take(station)
         touched = np.unique(station[is_touching])
         number = np.full(len(starts), -1)
         number[touched] = np.arange(len(touched))
         own = number.take(self.station)
         kept = np.flatnonzero(own >= 0)
         places = now.take(self.point.take(kept), axis=0)
-        found = _climbed(own.take(kept), places, starts[touched], axes[touched])
+        walls = own.take(kept), places
+        found = among_points(lambda _: walls, starts[touched], axes[touched])
         return touched, found
 
 
@@ -101,8 +97,9 @@ def followed_wall(
     order = np.lexsort((dot(offset, offset), field))
     nearest = order[np.r_[True, np.diff(field[order]) != 0]]
     station, point = station[nearest], point[nearest]
-    places = wall.middles.take(point, axis=0)
-    return FollowedWall(station, point, _climbed(station, places, stations, across(directions)))
+    walls = station, wall.middles.take(point, axis=0)
+    spheres = among_points(lambda _: walls, stations, across(directions))
+    return FollowedWall(station, point, spheres)
 
 
 def _fields(offsets: Points) -> Indices:
@@ -118,31 +115,38 @@ def _fields(offsets: Points) -> Indices:
     return np.asarray(found)
 
 
-def _climbed(station: Indices, places: Points, starts: Points, axes: Floats) -> InscribedSpheres:
-    """The spheres among places (k, 3) that a few steps from starts (n, 3) lead to.
+def among_points(around: Around, starts: Points, axes: Floats) -> InscribedSpheres:
+    """The spheres among points that stand for a wall to which a few steps lead.
 
-    Every one of the n stations has a place, and they come in order.
+    Parameters
+    ----------
+    around : callable
+        Gives the points (k, 3) round the centers (n, 3) that are reached, and before them to which
+        center each belongs (k,), in order. Every center has one.
+    starts : (n, 3) array
+        mm.
+    axes : (n, 2, 3) array
+        Directions in which the centers move.
     """
     count = len(starts)
     centers, box = starts.copy(), np.empty(0)
     if not count:
         return InscribedSpheres(centers, box)
-    first = np.searchsorted(station, np.arange(count))
-    for number in range(_STEPS + 1):
+    numbers = np.arange(count)
+    for step_number in range(_STEPS + 1):
+        station, places = around(centers)
         offset = centers.take(station, axis=0) - places
         distance = norm(offset)
-        radii = np.minimum.reduceat(distance, first)
-        if number == _STEPS:
+        radii = np.minimum.reduceat(distance, np.searchsorted(station, numbers))
+        if step_number == _STEPS:
             break
-        box = _FIRST * radii if number == 0 else box
-        near = np.flatnonzero(distance <= (radii + _CORNER * box).take(station))
+        box = WAY_BOX * radii if step_number == 0 else box
+        near = np.flatnonzero(distance <= (radii + CORNERS * box).take(station))
         own, apart = station.take(near), distance.take(near)
         slope = np.einsum("nij,nj->ni", axes.take(own, axis=0), offset.take(near, axis=0))
         slope /= np.maximum(apart, 1e-300)[:, None]
-        rows = LinearRows(apart, slope, np.searchsorted(own, np.arange(count)), radii)
+        rows = LinearRows(apart, slope, np.searchsorted(own, numbers), radii)
         step, height = largest_steps(rows, box)
         centers += np.einsum("ni,nij->nj", step, axes)
-        is_held = np.abs(step).max(axis=1) > 0.99 * box
-        box = np.where(is_held, 3 * box, 2 * norm(step))
-        box = np.clip(box, _LEAST * height, _MOST * height)
+        box = next_boxes(step, height, box)
     return InscribedSpheres(centers, radii)

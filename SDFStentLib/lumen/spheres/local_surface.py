@@ -15,14 +15,22 @@ from ...geometry import (
 )
 from ...validation import Flags, Floats, Indices, Points, Triangles
 
+_SOME = 1000
+"""Number of a surface's corners that stand for all where about how far it is away is enough."""
+
 _AMPLY = 1.1
 """Factor on what the box is to grow by, against rounding."""
 
 _ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 """Multipliers that make one number of the three of a place; any large odd ones would do."""
 
-_ROUND = 2.5
+AROUND = 2.5
 """Margin of the box that holds the wall round some centers, in distances to some of it."""
+
+
+def some_corners(points: Points, triangles: Triangles) -> Points:
+    """Some of the corners of triangles (m, 3)."""
+    return points[triangles[:: max(1, len(triangles) // _SOME), 0]]
 
 
 class LocalSurface:
@@ -57,8 +65,7 @@ class LocalSurface:
     def index(self) -> SurfaceIndex:
         """The triangles that have been asked for, and more; at least one."""
         if self._index is None:
-            # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
-            self._grow(_ROUND * float(self._vertex_distances(self._centers).max()))
+            self._grow(AROUND * float(self._vertex_distances(self._centers).max()))
             assert self._index is not None
         return self._index
 
@@ -94,7 +101,7 @@ class LocalSurface:
         By those in the box round these centers: elsewhere the surface may be finer or coarser.
         """
         reach = self.index.nearest_middles(centers)
-        margin = _ROUND * reach.max(initial=0.0)
+        margin = AROUND * reach.max(initial=0.0)
         low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
         middles, radii = self.index.centroids, self.index.disc_radii
         is_near = np.all((middles >= low) & (middles <= high), axis=1)
@@ -146,9 +153,8 @@ class LocalSurface:
         return self._numbers * (stride / 2.0**64) < 1
 
     def _vertex_distances(self, centers: Points) -> Floats:
-        """Distance (n,) to the nearest of some thousand vertices, which bounds that to the wall."""
-        some = self._points[self._triangles[:: max(1, len(self._triangles) // 1000), 0]]
-        return nearest_distances(centers, some)
+        """Distance (n,) to the nearest of `some_corners`, which bounds that to the wall."""
+        return nearest_distances(centers, some_corners(self._points, self._triangles))
 
     def _grow(self, margin: float) -> None:
         """Take the triangles in the box round the centers, if there are any."""

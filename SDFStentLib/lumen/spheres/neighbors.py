@@ -15,12 +15,10 @@ import numpy as np
 
 from ...geometry import dot, norm
 from ...validation import Flags, Floats, Points
+from ..tolerances import ALIKE
 
 _REACH = 4
 """Number of stations on each side that are asked: as many may be stuck together."""
-
-_CLEARLY = 1.01
-"""Ratio of the room to a sphere's radius from which the sphere is too small."""
 
 
 class Room(NamedTuple):
@@ -48,7 +46,7 @@ def rooms(
 def are_stuck(radii: Floats, before: Room, behind: Room) -> Flags:
     """Mask (n,) of the spheres that are clearly smaller than both sides imply."""
     meet = norm(before.places - behind.places) < before.disks + behind.disks
-    return meet & (np.minimum(before.radii, behind.radii) > _CLEARLY * radii)
+    return meet & (np.minimum(before.radii, behind.radii) > ALIKE * radii)
 
 
 def _room(stations: Points, directions: Points, centers: Points, radii: Floats, way: int) -> Room:

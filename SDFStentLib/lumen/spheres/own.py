@@ -13,12 +13,9 @@ import numpy as np
 
 from ...geometry import Line, across, norm
 from ...validation import Floats, Indices, Points
+from ..tolerances import CENTERED
 from .climb import InscribedSpheres
 from .local_surface import LocalSurface
-
-CENTERED = 0.5
-"""Distance of a station from its sphere's center, in radii, within which that shows where the
-middle of the vessel is; farther aside it may be in another pocket."""
 
 _DISK = 0.9
 """Share of the distance from there to the wall within which the middle is looked for."""

@@ -15,9 +15,10 @@ import numpy as np
 
 from ...geometry import across, connected, norm
 from ...validation import Flags, Floats, Indices, Points
+from ..tolerances import CENTERED
 from .climb import InscribedSpheres
 from .local_surface import LocalSurface
-from .own import CENTERED, largest_in_disks
+from .own import largest_in_disks
 
 _CELLS = 4
 """Cells of the grid along a radius of the throat."""

@@ -5,21 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...geometry import Line, across, dot, norm
-from ...validation import Flags, Floats, InputError, Points, as_points
-from .max_min_step import LinearRows, largest_steps
+from ...geometry import Line, across, dot
+from ...validation import Flags, Floats, Indices, InputError, Points, as_points
+from ..tolerances import ACROSS
+from .followed import among_points
 
 NEAREST = 64
 """Points of the wall, nearest to a center, that a step looks at."""
-
-ROUNDS = 10
-"""Steps of a climb; in the last ones radii grow by less than a hundredth of themselves."""
-
-BOX, SMALLER = 0.35, 0.75
-"""Half width of the box of the first step over the present radius, and its share in the next."""
-
-CAP = 0.9
-"""Cosine to the axis above which the normal of a wall is that of a cap across it."""
 
 
 def rough_radii(points: ArrayLike, centers: ArrayLike, normals: ArrayLike) -> Floats:
@@ -47,25 +39,19 @@ def rough_radii(points: ArrayLike, centers: ArrayLike, normals: ArrayLike) -> Fl
     if len(starts) < 2:
         raise InputError(f"centers: expected at least 2 points, got {len(starts)}.")
     along = Line(starts).directions
-    is_cap = np.abs(along @ as_points(normals, "normals").T) > CAP
-    axes, reached = across(along), starts.copy()
-    largest, share = np.zeros(len(starts)), BOX
-    for _ in range(ROUNDS):
-        offset = reached[:, None] - _nearest(wall, reached, is_cap)
-        distance = norm(offset.reshape(-1, 3))
-        radii = distance.reshape(offset.shape[:2]).min(axis=1)
-        largest = np.maximum(largest, radii)
-        slope = np.einsum("nij,nkj->nki", axes, offset).reshape(-1, 2) / distance[:, None]
-        rows = np.arange(0, len(distance), offset.shape[1])
-        step, _ = largest_steps(LinearRows(distance, slope, rows, radii), share * radii)
-        reached += np.einsum("ni,nij->nj", step, axes)
-        share *= SMALLER
-    return largest
-
-
-def _nearest(wall: Points, centers: Points, is_cap: Flags) -> Floats:
-    """The points (n, k, 3) of the wall nearest to each center; those in caps (n, m) are far."""
+    is_cap = np.abs(along @ as_points(normals, "normals").T) > ACROSS
     count = min(NEAREST, len(wall))
+    station = np.repeat(np.arange(len(starts)), count)
+
+    def around(centers: Points) -> tuple[Indices, Points]:
+        return station, _nearest(wall, centers, is_cap, count)
+
+    return among_points(around, starts, across(along)).radii
+
+
+def _nearest(wall: Points, centers: Points, is_cap: Flags, count: int) -> Points:
+    """So many points of the wall that are nearest to each center; those in caps (n, m) are far."""
     squares = dot(centers, centers)[:, None] - 2 * centers @ wall.T + dot(wall, wall)
     squares[is_cap] = np.inf
-    return np.asarray(wall[np.argpartition(squares, count - 1, axis=1)[:, :count]])
+    nearest = np.argpartition(squares, count - 1, axis=1)[:, :count]
+    return wall.take(nearest.ravel(), axis=0)
