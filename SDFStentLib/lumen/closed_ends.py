@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..geometry import Line, Surface, SurfaceIndex, compacted, dot, may_meet_box, nearest_distances
 from ..validation import Flags, Floats, Indices, Points, Triangles
-from .caps import caps_across, flat_caps
-from .spheres import InscribedSpheres, inscribed_spheres, some_corners
+from .caps import caps_across
+from .spheres import InscribedSpheres, some_corners
 from .stations import Stations
 from .tolerances import ACROSS, END_REACH, FARTHEST, NOTHING
 
@@ -140,54 +139,15 @@ def past_closed_ends(
         return measured
     width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
     points, triangles, numbers = part_near(points, triangles, stations[at_end], width)
-    is_capped = _in_caps(points, triangles, stations[at_end], directions[at_end], width)
-    is_capped |= np.isin(numbers, caps)
+    is_capped = np.isin(numbers, caps)
     kept, centers, radii = triangles[~is_capped], spheres.centers.copy(), spheres.radii.copy()
-    limited = at_end[_are_limited(points, triangles[is_capped], spheres.at(at_end))]
-    if len(limited):
-        anew = inscribed_spheres(points, kept, stations[limited], directions[limited])
-        centers[limited], radii[limited] = anew
-    present = InscribedSpheres(centers[at_end], radii[at_end])
-    closed = at_end[touches(points, kept, outward[at_end], present, SQUARELY)]
+    closed = at_end[touches(points, kept, outward[at_end], spheres.at(at_end), SQUARELY)]
     centers[closed], radii[closed] = np.nan, np.nan
     corners = points[triangles[is_capped].ravel()]
     cut = [i for i in at_end if _is_crossed(corners, stations[i], directions[i], width)]
     equivalent = equivalent.copy()
     equivalent[cut] = np.nan
     return measured._replace(spheres=InscribedSpheres(centers, radii), equivalent=equivalent)
-
-
-def _are_limited(points: Points, caps: Triangles, spheres: InscribedSpheres) -> Flags:
-    """Mask (k,) of the spheres that touch caps (m, 3): only these grow when the caps are taken
-    away.
-
-    One that reaches through a cap was measured without it.
-    """
-    if not len(caps):
-        return np.zeros(len(spheres.radii), dtype=bool)
-    distance = SurfaceIndex(points, caps).distances(spheres.centers).distance
-    apart = np.abs(distance - spheres.radii)
-    return np.asarray(apart <= np.maximum(TOUCH * spheres.radii, NOTHING))
-
-
-def _in_caps(
-    points: Points,
-    triangles: Triangles,
-    stations: Points,
-    directions: Points,
-    margin: float,
-) -> NDArray[np.bool_]:
-    """Mask (m,) of the triangles in flat caps across the axis, near some stations."""
-    low, high = stations.min(axis=0) - margin, stations.max(axis=0) + margin
-    near = np.flatnonzero(may_meet_box(points, triangles, low, high))
-    is_capped = np.zeros(len(triangles), dtype=bool)
-    for cap in flat_caps(points, triangles[near]):
-        offset = stations - points[triangles[near[cap.faces]]].mean(axis=(0, 1))
-        beside = dot(offset, offset).argmin()
-        # The sides of a box are flat spots with a steep rim as well.
-        if abs(cap.normal @ directions[beside]) >= ACROSS:
-            is_capped[near[cap.faces]] = True
-    return is_capped
 
 
 def _is_crossed(points: Points, station: Floats, direction: Floats, width: float) -> bool:
