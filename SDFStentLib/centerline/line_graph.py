@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import component_labels, distances_to_segments, norm
+from ..geometry import box_of, component_labels, distances_to_segments, in_one_row, norm
 from ..validation import Floats, Indices, InputError, Points
 from .point_tree import NeighborTable, mixed_radius
 
@@ -54,7 +54,7 @@ class LineGraph(NamedTuple):
 
     def extent(self) -> float:
         """Diagonal of the bounding box, mm."""
-        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+        return float(np.linalg.norm(np.subtract(*box_of(self.points))))
 
     def neighbors(self) -> NeighborTable:
         """The nodes next to each, in the order of the edges."""
@@ -169,7 +169,7 @@ def _coincident(points: Points, tolerance: float) -> Indices:
     from scipy.spatial import cKDTree
 
     # Rounding first bounds the number of pairs, however many points lie at one place.
-    cells = np.round((points - points.min(axis=0)) / max(tolerance, np.finfo(float).tiny))
+    cells = np.round((points - box_of(points)[0]) / max(tolerance, np.finfo(float).tiny))
     # There are at most 1 / WELD_EXTENT cells a side, so that one number identifies a cell.
     x, y, z = cells.astype(np.int64).T
     side = int(1 / WELD_EXTENT) + 2
@@ -284,6 +284,5 @@ def _blocks(counts: Indices) -> Iterator[slice]:
 def _within(tree: Any, centers: Points, radii: Floats, part: slice) -> tuple[Indices, Indices]:
     """Points of a tree within radii of some centers, and for each the number of its center."""
     found = tree.query_ball_point(centers[part], radii[part], return_sorted=True)
-    counts = [len(nodes) for nodes in found]
-    numbers = np.repeat(np.arange(part.start, part.start + len(counts)), counts)
-    return np.concatenate(found).astype(np.int64), numbers
+    numbers, nodes = in_one_row(found)
+    return nodes, part.start + numbers

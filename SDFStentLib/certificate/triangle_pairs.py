@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import blocks_of, ranges
+from ..geometry import blocks_of, box_of, ranges, used_points
 from ..validation import Indices, Points, Triangles
 
 _BLOCK = 1 << 18
@@ -47,8 +47,7 @@ class Boxes(NamedTuple):
 def face_boxes(points: Points, triangles: Triangles, is_moved: NDArray[np.bool_]) -> Boxes:
     """Boxes of the moved faces and of those that reach into the box around all moved faces."""
     corners = np.ascontiguousarray(triangles.T)
-    moved_points = points.take(triangles.compress(is_moved, axis=0).ravel(), axis=0)
-    low, high = moved_points.min(axis=0), moved_points.max(axis=0)
+    low, high = box_of(points.take(used_points(triangles.compress(is_moved, axis=0)), axis=0))
     axes = np.argsort(low - high, kind="stable")
     scale = (_LAST - 2) / max(float((high - low).max()), 1e-290)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..cautions import Caution
-from ..geometry import Surface, as_surface, dot, norm, signed_volume
+from ..geometry import Surface, as_surface, box_of, dot, norm, signed_volume
 from ..units import flipped
 from ..validation import InputError, Points, as_points
 
@@ -147,7 +147,7 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Cauti
 def _best_fit(surface: Surface, centers: Points) -> _SpaceFit | None:
     """Unit or frame with the most points inside, of the other ones; None if none has half of
     them."""
-    extent, fits = float(np.ptp(surface.points, axis=0).max()), []
+    extent, fits = float(np.subtract(*box_of(surface.points)[::-1]).max()), []
     for factor, is_flipped in product((1.0, *UNIT_FACTORS), (False, True)):
         if factor == 1.0 and not is_flipped:
             continue

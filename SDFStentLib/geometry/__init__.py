@@ -33,6 +33,7 @@ from .line import distances_to_segments as distances_to_segments
 from .line import places_in_plane as places_in_plane
 from .line import segment_count as segment_count
 from .near_balls import Balls as Balls
+from .near_balls import in_one_row as in_one_row
 from .near_balls import nearest_distances as nearest_distances
 from .near_balls import search_tree as search_tree
 from .plane_cut import CutSurface as CutSurface
@@ -43,6 +44,7 @@ from .precision import Precision as Precision
 from .rows import across as across
 from .rows import bits as bits
 from .rows import blocks_of as blocks_of
+from .rows import box_of as box_of
 from .rows import dot as dot
 from .rows import norm as norm
 from .rows import product as product

@@ -87,7 +87,7 @@ class Balls:
         found = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
         for alike in self._sizes:
             lists = alike.tree.query_ball_point(places, far + alike.largest, return_sorted=False)
-            place, ball = _flat(lists)
+            place, ball = in_one_row(lists)
             found.append((place, ball if len(self._sizes) == 1 else alike.numbers.take(ball)))
         place, ball = (np.concatenate(column) for column in zip(*found, strict=True))
         if len(self._sizes) == 1:
@@ -133,7 +133,7 @@ def search_tree(points: Points) -> cKDTree:
     return cKDTree(points, leafsize=_LEAF, balanced_tree=False, compact_nodes=False)
 
 
-def _flat(lists: Sequence[list[int]]) -> tuple[Indices, Indices]:
+def in_one_row(lists: Sequence[list[int]]) -> tuple[Indices, Indices]:
     """Number of the list, and value, for every value of some lists."""
     counts = np.fromiter(map(len, lists), np.int64, len(lists))
     values = np.fromiter(chain.from_iterable(lists), np.int64, int(counts.sum()))

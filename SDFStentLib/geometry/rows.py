@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ..validation import Flags, Floats, Indices
+from ..validation import Flags, Floats, Indices, Points
 
 _PRODUCT = 1 << 17
 """Multiplications at a time; from twice as many on, some libraries start more threads."""
@@ -55,6 +55,15 @@ def bits(rows: Flags) -> NDArray[np.uint8]:
     values, places = rows.view(np.uint8), (128 >> np.arange(8)).astype(np.uint8)
     parts = [values[first : first + 8] for first in range(0, len(rows), 8)]
     return np.stack([np.einsum("n,nm->m", places[: len(part)], part) for part in parts])
+
+
+def box_of(points: Points) -> tuple[Floats, Floats]:
+    """Lowest and highest coordinates (3,) of some points (n, 3).
+
+    Column by column, which takes a tenth of the time over many rows of three.
+    """
+    columns = list(points.T)
+    return np.array([x.min() for x in columns]), np.array([x.max() for x in columns])
 
 
 def across(directions: Floats) -> Floats:

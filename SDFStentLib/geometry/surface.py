@@ -22,7 +22,6 @@ from ..validation import (
     read_only,
 )
 from .closing import Closing
-from .distance import SurfaceIndex
 from .faces import compacted, face_areas, face_normals, vertex_normals
 from .fans import component_labels
 from .inside import Inside
@@ -259,16 +258,6 @@ class Surface:
     def vertex_normals(self) -> Floats:
         """Unit normals (n, 3) of the points: the faces' normals, weighted with their areas."""
         return read_only(vertex_normals(self.points, self.triangles))
-
-    @cached_property
-    def index(self) -> SurfaceIndex:
-        """All triangles, prepared for questions about what lies near; kept, some 200 bytes each."""
-        return SurfaceIndex(self.points, self.triangles)
-
-    @property
-    def index_for_once(self) -> SurfaceIndex:
-        """The `index`, which is not kept for this one question."""
-        return self.__dict__.get("index") or SurfaceIndex(self.points, self.triangles)
 
     @property
     def closing(self) -> Closing:

@@ -10,7 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Line, Surface, SurfaceIndex, compacted, dot, may_meet_box, nearest_distances
+from ..geometry import (
+    Line,
+    Surface,
+    SurfaceIndex,
+    box_of,
+    compacted,
+    dot,
+    may_meet_box,
+    nearest_distances,
+)
 from ..validation import Flags, Floats, Indices, Points, Triangles
 from .caps import caps_across
 from .spheres import InscribedSpheres, some_corners
@@ -44,7 +53,7 @@ def part_near(points: Points, triangles: Triangles, stations: Points, radius: fl
     low, high = stations.min(axis=0) - FARTHEST * radius, stations.max(axis=0) + FARTHEST * radius
     numbers = np.flatnonzero(may_meet_box(points, triangles, low, high))
     near, kept = compacted(points, triangles.take(numbers, axis=0))
-    return SurfacePart(np.vstack([near, points.min(axis=0), points.max(axis=0)]), kept, numbers)
+    return SurfacePart(np.vstack([near, *box_of(points)]), kept, numbers)
 
 
 def touches(

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..geometry import Surface, SurfaceIndex, closest_on_segments, norm
 from ..validation import Flags, Floats, Indices, Points
+from .spheres import known_index
 from .tolerances import ASKEW, OWN_WIDTH, ROUNDING
 
 _DEPTH = 2.0
@@ -59,7 +60,7 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     step = _BELOW * narrow[:, None] * across
     within, beyond = surface.contains(centers - step), surface.contains(centers + step)
     inward = np.where(within, -1.0, 1.0)[:, None] * across
-    index = surface.index_for_once
+    index = known_index(surface)
     spot_of = np.full(len(surface.triangles), -1)
     for place, number in enumerate(own):
         spot_of[spots[number].faces] = place

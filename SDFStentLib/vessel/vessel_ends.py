@@ -68,9 +68,9 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     loop_of = np.full(len(surface.points), -1)
     loop_of[rims[:, 0]] = loop
     capped = np.flatnonzero(cap_of >= 0)
-    found = []
+    loops, found = loop_of[triangles[capped]], []
     for number in np.unique(loop):
-        is_at_rim = (loop_of[triangles[capped]] == number).any(axis=1)
+        is_at_rim = (loops == number).any(axis=1)
         faces = capped[np.isin(cap_of[capped], cap_of[capped[is_at_rim]])]
         found.append(_end(surface.points, rims[loop == number], faces))
     # A cap is known to be an end; a hole may be one in the wall.

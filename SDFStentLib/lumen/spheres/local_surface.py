@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from ...geometry import (
     NearPairs,
     Surface,
     SurfaceIndex,
+    box_of,
     may_meet_box,
     nearest_distances,
     section_around,
@@ -33,6 +36,15 @@ def some_corners(points: Points, triangles: Triangles) -> Points:
     return points[triangles[:: max(1, len(triangles) // _SOME), 0]]
 
 
+_kept: WeakKeyDictionary[Surface, SurfaceIndex] = WeakKeyDictionary()
+"""Indices of whole surfaces, as long as these are in use."""
+
+
+def known_index(surface: Surface) -> SurfaceIndex:
+    """Index of all triangles of a surface, for one question: the one that is kept, if any is."""
+    return _kept.get(surface) or SurfaceIndex(surface.points, surface.triangles)
+
+
 class LocalSurface:
     """The part of a surface near some centers; grows when they ask for more.
 
@@ -49,7 +61,7 @@ class LocalSurface:
         self._whole: Surface | None = None
         self.lowest: Floats
         self.highest: Floats
-        self.lowest, self.highest = _extent(points)
+        self.lowest, self.highest = box_of(points)
         self._index: SurfaceIndex | None = None
         self._numbers: NDArray[np.uint64] | None = None
         self.growths = 0
@@ -104,7 +116,8 @@ class LocalSurface:
         margin = AROUND * reach.max(initial=0.0)
         low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
         middles, radii = self.index.centroids, self.index.disc_radii
-        is_near = np.all((middles >= low) & (middles <= high), axis=1)
+        columns = zip(middles.T, low, high, strict=True)
+        is_near = np.logical_and.reduce([(x >= first) & (x <= last) for x, first, last in columns])
         # A triangle with equal sides whose corners lie on a circle of radius 1 has the area 1.3.
         area = 1.3 * float(np.median(radii[is_near] if is_near.any() else radii)) ** 2
         # Of a center far outside there are not more than there are.
@@ -169,7 +182,7 @@ class LocalSurface:
             if self._whole is not None and 2 * np.count_nonzero(self._kept) > len(self._kept):
                 self._low, self._high, self._kept = self.lowest, self.highest, slice(None)
         if self._whole is not None and self._is_whole():
-            self._index = self._whole.index
+            self._index = _kept[self._whole] = known_index(self._whole)
             return
         kept = self._triangles
         if not isinstance(self._kept, slice):
@@ -202,9 +215,3 @@ def _scattered(numbers: NDArray[np.uint64]) -> NDArray[np.uint64]:
     numbers = (numbers ^ (numbers >> first)) * np.uint64(0xBF58476D1CE4E5B9)
     numbers = (numbers ^ (numbers >> second)) * np.uint64(0x94D049BB133111EB)
     return numbers ^ (numbers >> last)
-
-
-def _extent(points: Points) -> tuple[Floats, Floats]:
-    """Lowest and highest coordinates; column by column, which is quicker over rows of three."""
-    columns = list(points.T)
-    return np.array([x.min() for x in columns]), np.array([x.max() for x in columns])
