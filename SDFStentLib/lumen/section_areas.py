@@ -270,7 +270,8 @@ def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points
     one, other, third = (above.take(corner, axis=1) for corner in triangles.T)
     is_cut = (one ^ other) | (other ^ third)
     cut = np.flatnonzero(is_cut.any(axis=0))
-    station, row = np.nonzero(np.unpackbits(is_cut.take(cut, axis=1), axis=0, count=len(centers)))
+    each = np.unpackbits(is_cut.take(cut, axis=1), axis=0, count=len(centers)).view(bool)
+    station, row = np.divmod(np.flatnonzero(each), len(cut))
     rows = triangles.take(cut.take(row), axis=0)
     # Every cut triangle has one side that goes down through its plane and one that goes up.
     over = is_above[station[:, None], rows]

@@ -250,13 +250,16 @@ def _cut_segments(wall: NearWall, centers: Points, along: Floats) -> _Segments:
     wall."""
     normals = along[:, 0]
     heights = product(wall.points, normals.T) - np.einsum("ij,ij->i", normals, centers)
-    # A bit for each station: eight are compared at once.
-    above = np.packbits(heights >= 0, axis=1)
+    # A bit for each station: eight are compared at once. Rows of whole bytes are packed as one.
+    is_above = np.zeros((len(heights), -(-len(centers) // 8) * 8), dtype=bool)
+    np.greater_equal(heights, 0, out=is_above[:, : len(centers)])
+    above = np.packbits(is_above).reshape(len(heights), -1)
     sides = [above.take(wall.triangles[:, k], axis=0) for k in range(3)]
     is_cut = (sides[0] ^ sides[1]) | (sides[1] ^ sides[2])
     # Over rows of a few bytes NumPy takes several times longer.
     cut = np.flatnonzero(np.ascontiguousarray(is_cut.T).any(axis=0))
-    station, row = np.nonzero(np.unpackbits(is_cut.take(cut, axis=0), axis=1, count=len(centers)).T)
+    each = np.unpackbits(is_cut.take(cut, axis=0), axis=1, count=len(centers)).view(bool)
+    station, row = np.divmod(np.flatnonzero(np.ascontiguousarray(each.T)), len(cut))
     owner = cut.take(row)
     rows = wall.triangles.take(owner, axis=0)
     # What is at a corner's height over a plane, by one number for both.
