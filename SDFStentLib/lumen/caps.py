@@ -42,8 +42,7 @@ RIM = np.cos(np.deg2rad(45.0))
 """Cosine of the angle between the normals of a cap and of wall, at least; a flat spot of the wall
 meets the rest at less."""
 
-FEWEST_FACES = 6
-_IN_ONE_PLANE = 2
+FEWEST_FACES = 2
 """Number of faces from which a spot counts as flat: one always is."""
 
 NOTICEABLE = 0.05
@@ -74,6 +73,8 @@ class FlatCap(NamedTuple):
     """Indices of its faces, ascending."""
     normal: NDArray[np.float64]
     """(3,) unit vector."""
+    middle: NDArray[np.float64]
+    """(3,) mean of the corners of its triangles, mm."""
     low: NDArray[np.float64]
     high: NDArray[np.float64]
     """(3,) corners of the box round it, mm."""
@@ -84,11 +85,11 @@ def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
 
     Faces alone do not show which of these are ends of the vessel; `caps_of` finds that out.
     """
-    return _flat_spots(points, faces, face_normals(points, faces), FEWEST_FACES)
+    return _flat_spots(points, faces, face_normals(points, faces))
 
 
-def _flat_spots(points: Points, faces: Triangles, normals: Floats, fewest: int) -> list[FlatCap]:
-    if len(faces) < fewest:
+def _flat_spots(points: Points, faces: Triangles, normals: Floats) -> list[FlatCap]:
+    if len(faces) < FEWEST_FACES:
         return []
     pairs = paired_sides(faces) // 3
     cosine = dot(normals.take(pairs[:, 0], axis=0), normals.take(pairs[:, 1], axis=0))
@@ -103,23 +104,23 @@ def _flat_spots(points: Points, faces: Triangles, normals: Floats, fewest: int) 
     steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=count)
     # Every triangle of a mesh that was subdivided is a flat spot: most are left out before the
     # faces of each are gathered.
-    is_spot = (size >= fewest) & (steep > 0.8 * rim)
+    is_spot = (size >= FEWEST_FACES) & (steep > 0.8 * rim)
     chosen = np.flatnonzero(is_spot.take(label))
     chosen = chosen[np.argsort(label[chosen], kind="stable")]
     spots = label[chosen]
     parts = np.split(chosen, np.flatnonzero(np.diff(spots)) + 1) if len(chosen) else []
     means = [normals[own].mean(axis=0) for own in parts]
     caps = [
-        FlatCap(own, mean / length, *_box(points[faces[own]]))
+        FlatCap(own, mean / length, *_extent(points[faces[own]]))
         for own, mean in zip(parts, means, strict=True)
         if (length := np.linalg.norm(mean)) >= FLAT
     ]
     return sorted(caps, key=lambda cap: int(cap.faces[0]))
 
 
-def _box(corners: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lowest and highest corner of the box round triangles (k, 3, 3)."""
-    return corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+def _extent(corners: Points) -> tuple[Floats, Floats, Floats]:
+    """Middle of triangles (k, 3, 3), and lowest and highest corner of the box round them."""
+    return corners.mean(axis=(0, 1)), corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
 
 
 def caps_of(surface: Surface) -> list[FlatCap]:
@@ -131,7 +132,7 @@ def caps_of(surface: Surface) -> list[FlatCap]:
         points, triangles = surface.points, surface.wound_triangles
         is_own = triangles is surface.triangles
         normals = surface.face_normals if is_own else face_normals(points, triangles)
-        spots = _flat_spots(points, triangles, normals, _IN_ONE_PLANE)
+        spots = _flat_spots(points, triangles, normals)
         is_end = are_ends(surface, [_as_spot(points, triangles, cap) for cap in spots])
         found = [cap for cap, is_known in zip(spots, is_end, strict=True) if is_known]
         _known[surface] = found

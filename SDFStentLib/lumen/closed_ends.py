@@ -95,15 +95,6 @@ def fills(spheres: InscribedSpheres, equivalent: Floats) -> Flags:
     return np.asarray(2 * spheres.radii > ROUND * equivalent)
 
 
-SQUARELY = np.cos(np.deg2rad(15.0))
-"""Cosine to the axis, on the side of its nearer end, from which a sphere that touches the surface
-may touch an end that is no flat cap; from there to `ACROSS` is the ridge of a flow divider, for
-example."""
-
-CAPS_WITHIN = 2.0
-"""Caps are looked for so near to the ends of an axis, in widths of the lumen from axis to wall."""
-
-
 class OpenWall(NamedTuple):
     """A surface without some of its caps."""
 
@@ -120,7 +111,7 @@ def open_at_ends(surface: Surface, axis: Points) -> OpenWall:
     """
     points, triangles = surface.points, surface.triangles
     some = some_corners(points, triangles)
-    reach = CAPS_WITHIN * float(nearest_distances(axis, some).max())
+    reach = FARTHEST * float(nearest_distances(axis, some).max())
     is_capped = caps_across(surface, axis, reach)
     caps = np.flatnonzero(is_capped)
     return OpenWall(triangles.compress(~is_capped, axis=0) if len(caps) else triangles, caps)
@@ -150,7 +141,7 @@ def past_closed_ends(
     points, triangles, numbers = part_near(points, triangles, stations[at_end], width)
     is_capped = np.isin(numbers, caps)
     kept, centers, radii = triangles[~is_capped], spheres.centers.copy(), spheres.radii.copy()
-    closed = at_end[touches(points, kept, outward[at_end], spheres.at(at_end), SQUARELY)]
+    closed = at_end[touches(points, kept, outward[at_end], spheres.at(at_end), ACROSS)]
     centers[closed], radii[closed] = np.nan, np.nan
     corners = points[triangles[is_capped].ravel()]
     cut = [i for i in at_end if _is_crossed(corners, stations[i], directions[i], width)]

@@ -10,6 +10,9 @@ from ..validation import Floats, InputError, Points, Triangles, as_points
 from .section_areas import section_areas
 from .tolerances import ROUNDING
 
+_STATIONS = 64
+"""Number of stations that are cut together; a small one keeps the part of the surface local."""
+
 
 def equivalent_diameters(
     points: Points, triangles: Triangles, centers: ArrayLike, directions: ArrayLike
@@ -41,14 +44,15 @@ def equivalent_diameters(
             f"directions: expected one for each of the {len(centers)} centers, "
             f"got {len(directions)}."
         )
-    if not directions.any(axis=1).all():
+    if len(directions) and not directions.any(axis=1).all():
         raise InputError("directions: expected no zero vector; remove repeated axis points.")
-    if not len(centers):
-        return np.empty(0)
     normals = directions / np.linalg.norm(directions, axis=1)[:, None]
-    areas, doubtful = section_areas(points, triangles, centers, normals)
-    for number in np.flatnonzero(doubtful):
-        areas[number] = _lumen_area(points, triangles, centers[number], directions[number])
+    areas = np.empty(len(centers))
+    for start in range(0, len(centers), _STATIONS):
+        block = slice(start, start + _STATIONS)
+        areas[block], doubtful = section_areas(points, triangles, centers[block], normals[block])
+        for number in start + np.flatnonzero(doubtful):
+            areas[number] = _lumen_area(points, triangles, centers[number], directions[number])
     return 2 * np.sqrt(np.where(np.isfinite(areas), areas, np.nan) / np.pi)
 
 

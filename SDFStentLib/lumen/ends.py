@@ -17,9 +17,6 @@ from ..validation import Flags, Floats, Indices, Points
 from .spheres import known_index
 from .tolerances import ASKEW, OWN_WIDTH, ROUNDING
 
-_DEPTH = 2.0
-"""Depth to which a spot is looked at, in its narrow radii: as deep as it is wide."""
-
 _RAYS = 64
 _BELOW = 0.01
 """Distance from a spot, as a share of its narrow radius, at which its inner side is looked for."""
@@ -64,7 +61,8 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     spot_of = np.full(len(surface.triangles), -1)
     for place, number in enumerate(own):
         spot_of[spots[number].faces] = place
-    middles = centers + _DEPTH * narrow[:, None] * inward
+    # As deep below as it is wide.
+    middles = centers + 2 * narrow[:, None] * inward
     spans = (within != beyond) & _meet_wall(index, spot_of, middles, OWN_WIDTH * narrow)
     for row in np.flatnonzero(spans).tolist():
         wall = _near(index, spot_of, row, centers[row], 2 * spots[own[row]].wide)

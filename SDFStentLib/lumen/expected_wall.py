@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..geometry import Line, Surface
 from ..validation import Floats, Points, read_only
-from .tolerances import FARTHEST
+from .stations import SPACING
+from .tolerances import FARTHEST, FINEST
 from .wall_map import (
     RAYS,
     RAYS_APART,
@@ -33,15 +34,11 @@ LONGEST = 6.0
 WIDEST = 240.0
 """or part of its circumference that it does not reach, degrees."""
 
-_FINEST, _FINE, _COARSE = 0.1, 0.125, 0.25
-"""Smallest spacing of the stations, mm; the largest, and that of the search for the middle, in
-radii."""
+_FINE = 0.125
+"""Largest spacing of the stations, in radii; the middle is looked for at every other one."""
 
 _CENTERINGS = 3
 """Number of steps to the middle; each leaves about a tenth of the way."""
-
-_SDS = 4.0
-"""Standard deviations at which smoothing ends."""
 
 _SIDE = 30.0
 """Percentile of a section's rays that stands for its radius where an opening is on one side."""
@@ -92,15 +89,14 @@ def expected_tube(surface: Surface, axis: Line) -> Tube:
     axis : Line
         Axis in the lumen; it need not be in the middle.
     """
-    near = near_wall(surface, axis.resampled(1.0).points, far_reach(surface, axis.points))
+    near = near_wall(surface, axis.resampled(SPACING).points, far_reach(surface, axis.points))
     radius = section_radius(wall_map(near, axis, spacing=2.0, window=2.0).distance)
-    # The middle is looked for at few stations: it is smooth.
-    few = cuts_across(near, axis, spacing=_COARSE * radius, window=radius)
+    few = cuts_across(near, axis, spacing=2 * _FINE * radius, window=radius)
     shift = np.zeros((len(few.centers), 2))
     for _ in range(_CENTERINGS):
         wall = few.seen(shift)
         shift = shift + _to_middle(wall, expected_wall(wall, radius), radius)
-    stations = axis.resampled(float(np.clip(_FINE * radius, _FINEST, RAYS_APART))).points
+    stations = axis.resampled(float(np.clip(_FINE * radius, FINEST, RAYS_APART))).points
     at = np.linspace(0.0, float(few.arc_length[-1]), len(stations))
     moved = np.einsum("ij,ijk->ik", shift, few.along[:, 1:])
     middle = stations + _interpolated(at, few.arc_length, moved)
@@ -171,7 +167,7 @@ def _to_middle(wall: WallMap, expected: Floats, radius: float) -> Floats:
 
 def _smoothed(values: Floats, sd: float) -> Floats:
     """Columns (n, k) smoothed by a normal distribution of so many rows; the ends go on."""
-    reach = int(_SDS * sd + 0.5)
+    reach = len(values)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sd) ** 2)
     weights /= weights.sum()
     padded = np.pad(values, ((reach, reach), (0, 0)), mode="edge")

@@ -14,17 +14,10 @@ from ..centerline import Centerline
 from ..geometry import Line, Surface, as_line, dot, norm
 from ..validation import Floats, InputError, Points, as_number
 from .spheres import SphereSearch, Until
-from .tolerances import NOTHING, TOLERANCE
+from .tolerances import FINEST, NOTHING, TOLERANCE, WITHIN
 
 _STEP = 0.5
 """Length of a step, as a fraction of the radius."""
-
-_WITHIN = 0.9
-"""Share of a sphere's radius within which a way goes on: where it has come through an opening into
-a wider vessel, half of that vessel's radius may lead out of the lumen."""
-
-_NARROWEST = 0.05
-"""Inscribed radius below which a lumen ends, mm."""
 
 
 def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> list[Points]:
@@ -39,13 +32,13 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
     search = SphereSearch(surface, last, reach)
     along = np.array([axis[-1] - axis[-2] for axis in axes])
     middles, radii = search.spheres(last, along / norm(along)[:, None], Until(TOLERANCE))
-    goes_on = np.flatnonzero(radii > _NARROWEST)
+    goes_on = np.flatnonzero(radii > FINEST / 2)
     heading = np.zeros((len(axes), 3))
     for way in goes_on.tolist():
         heading[way] = heading_of(Line(axes[way]), float(radii[way]))
     # The sphere of an axis that ends in an opening may lie beside its end.
-    room = np.maximum(_room(last - middles, heading, radii), _WITHIN * search.distances(last))
-    goes_on = goes_on[room[goes_on] > _NARROWEST]
+    room = np.maximum(_room(last - middles, heading, radii), WITHIN * search.distances(last))
+    goes_on = goes_on[room[goes_on] > FINEST / 2]
     traveled = np.zeros(len(axes))
     # Ends, since every step is at least half the narrowest radius, the room, or the rest.
     while len(goes_on):
@@ -66,14 +59,18 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
         room[goes_on] = _room(following - centers[is_open], heading[goes_on], wide)
         for way, place in zip(goes_on.tolist(), following, strict=True):
             found[way].append(place)
-        goes_on = goes_on[(room[goes_on] > _NARROWEST) & (traveled[goes_on] < reach - NOTHING)]
+        goes_on = goes_on[(room[goes_on] > FINEST / 2) & (traveled[goes_on] < reach - NOTHING)]
     return [np.reshape(way, (-1, 3)) for way in found]
 
 
 def _room(offset: Points, heading: Points, radii: Floats) -> Floats:
-    """Distance (n,) that a way may go on in a sphere from an offset to its middle; 0 beside it."""
+    """Distance (n,) that a way may go on in a sphere from an offset to its middle; 0 beside it.
+
+    Where it has come through an opening into a wider vessel, half of that vessel's radius may lead
+    out of the lumen.
+    """
     along = dot(offset, heading)
-    left = along**2 - dot(offset, offset) + (_WITHIN * radii) ** 2
+    left = along**2 - dot(offset, offset) + (WITHIN * radii) ** 2
     return np.where(left > 0, np.sqrt(np.maximum(left, 0.0)) - along, 0.0)
 
 

@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Surface, connected
+from ..geometry import Surface, connected, norm
 from ..validation import Floats, Indices, Points
 from .caps import caps_of
 from .expected_wall import Tube
+from .tolerances import WITHIN
 from .wall_map import RAYS
 
 Mask = NDArray[np.bool_]
@@ -27,10 +28,6 @@ _STRAY = 0.05
 """Share of all rays to another vessel, and of all through an opening, up to which the fewer than
 half that meet that vessel through this opening do so by chance: a funnel far above looks down into
 it, and the end of a tube aside."""
-
-_ON_WALL = 0.9
-"""Expected radii from the middle at which an opening lies in the wall; nearer it is within the
-lumen, seen from a part of the vessel that is bent round."""
 
 
 class Opening(NamedTuple):
@@ -72,15 +69,12 @@ def openings(surface: Surface, tube: Tube, ends: Points = NO_ENDS) -> list[Openi
 
 def _are_flat(surface: Surface, ends: Points) -> bool:
     """Whether ends (k, 3) of vessels exist and all lie in flat caps."""
-    caps = [surface.points[surface.triangles[cap.faces]].reshape(-1, 3) for cap in caps_of(surface)]
+    caps = caps_of(surface)
     if not len(ends) or not caps:
         return False
-    middles = np.array([corners.mean(axis=0) for corners in caps])
-    radii = [
-        np.linalg.norm(own - middle, axis=1).max()
-        for own, middle in zip(caps, middles, strict=True)
-    ]
-    away = np.linalg.norm(ends[:, None] - middles, axis=2)
+    corners = [surface.points[surface.triangles[cap.faces]].reshape(-1, 3) for cap in caps]
+    radii = [norm(own - cap.middle).max() for own, cap in zip(corners, caps, strict=True)]
+    away = np.linalg.norm(ends[:, None] - [cap.middle for cap in caps], axis=2)
     return bool((away < radii).any(axis=1).all())
 
 
@@ -88,10 +82,11 @@ def _leads_aside(tube: Tube, region: Mask, places: Points) -> bool:
     """Whether an opening leads far from a vessel that hangs together with what it leads to.
 
     Else it is the vessel itself beyond its end, or a branch of which only a part is in reach. The
-    opening's places (k, 3) are those on the expected wall.
+    opening's places (k, 3) are those on the expected wall; nearer it is within the lumen, seen from
+    a part of the vessel that is bent round.
     """
     is_far = tube.wall.distance > FAR * tube.expected
-    is_in_wall = np.median(_seen_from(places, tube)[0]) > _ON_WALL
+    is_in_wall = np.median(_seen_from(places, tube)[0]) > WITHIN
     return bool(is_in_wall and is_far[region].any() and not region[[0, -1]].any())
 
 

@@ -7,14 +7,12 @@ import numpy as np
 from ..centerline import Centerline
 from ..geometry import Surface, boundary_edges, dot, norm, search_tree, vertex_normals
 from ..validation import Floats, Indices, Points
+from .spheres import SOME
 from .tolerances import ROUNDING
 from .wall_map import corner_tree
 
 AS_LONG = 2.0
 """Length over width from which on an outgrowth of a vessel is itself a vessel, by definition."""
-
-_SOME = 300
-"""Number of points of the wall from which the widest sphere in a pouch is looked for."""
 
 
 def pouch_width(
@@ -93,7 +91,7 @@ def _widest(
     # What lies between the neck and the wall beyond is lumen, however the wall is wound.
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     is_some = np.zeros(len(surface.points), dtype=bool)
-    is_some[own[np.linspace(0, len(own) - 1, min(len(own), _SOME)).astype(np.int64)]] = True
+    is_some[own[np.linspace(0, len(own) - 1, min(len(own), SOME)).astype(np.int64)]] = True
     ids, local = np.unique(wound[is_some[wound].any(axis=1)], return_inverse=True)
     touching = surface.points[ids] - middle
     inward = -np.sign(volume) * vertex_normals(touching, local.reshape(-1, 3))

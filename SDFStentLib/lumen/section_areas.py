@@ -25,7 +25,7 @@ from ..validation import Flags, Floats, Indices, Points, Triangles
 from .spheres import AROUND, some_corners
 from .wall_map import PAIRS
 
-_FEW = 32
+_FEW = 16
 """Number of stations whose part of the surface is looked at first."""
 
 

@@ -25,6 +25,12 @@ CENTERED = 0.5
 """Distance from the middle of a vessel or of an opening, in its radii, up to which a place lies
 about in the middle; farther aside it may be in another pocket, or lead past the opening."""
 
+WITHIN = 0.9
+"""Share of the distance from the middle to the wall within which a place is surely in the lumen."""
+
+FINEST = 0.1
+"""Length along a vessel, and width of one, mm, below which nothing is looked for."""
+
 OWN_WIDTH = 1.5
 """Ratio of a width to that of the lumen there up to which both are of one vessel: its section, its
 end, its wall from place to place. What is wider is the vessel from which this one comes, or goes on
@@ -42,7 +48,8 @@ ACROSS = np.cos(np.deg2rad(30.0))
 """Cosine between an axis and the normal of wall from which on that is a cap across the axis."""
 
 ASKEW = np.cos(np.deg2rad(60.0))
-"""Cosine between a vessel and the normal of what closes it, however askew it is cut or bulged."""
+"""Cosine between a vessel and the normal of its end, however that is cut or bulged, or the axis of
+a stent that goes along it."""
 
 BESIDE_SPHERE = 1.02
 """Distance from a sphere's center, in radii, beyond which wall plays no part in its climb's end."""

@@ -8,12 +8,9 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface
-from ..validation import Floats, Indices, Points
+from ..validation import Indices
 from .tree_around import outlets_of
-from .vessel_ends import BESIDE_TIP
-
-FLAT = 0.95
-"""Length of the mean unit normal of a part of the model from which it is a cap, no wall."""
+from .vessel_ends import BESIDE_TIP, vessel_ends
 
 
 def branch_names(
@@ -115,34 +112,13 @@ def _leading_to(
 
 def faces_at_ends(surface: Surface, centerline: Centerline, faces: NamedFaces) -> dict[int, int]:
     """Face of the model at each end of a centerline that lies in a cap."""
-    caps = _caps(surface, faces)
-    return {
-        int(end): number
-        for end in (*centerline.roots, *centerline.leaves)
-        if (number := _cap_near(centerline.points[end], caps)) is not None
-    }
-
-
-def _caps(surface: Surface, faces: NamedFaces) -> dict[int, tuple[Points, float]]:
-    """Middle and radius, mm, of the parts of a model that are flat, by id."""
-    areas, normals = surface.face_areas, surface.face_normals
-    middles = sum(surface.points.take(corner, axis=0) for corner in surface.corners) / 3
-    kinds, part = np.unique(faces.ids, return_inverse=True)
-    total = np.maximum(np.bincount(part, areas), 1e-300)
-
-    def mean(values: Floats) -> Floats:
-        return np.stack([np.bincount(part, areas * column) / total for column in values.T], axis=1)
-
-    is_flat = np.linalg.norm(mean(normals), axis=1) > FLAT
-    centers, radii = mean(middles), np.sqrt(total / np.pi)
-    return {int(kinds[n]): (centers[n], float(radii[n])) for n in np.flatnonzero(is_flat).tolist()}
-
-
-def _cap_near(point: Points, caps: dict[int, tuple[Points, float]]) -> int | None:
-    """The cap at which a centerline ends."""
-    away = {n: float(np.linalg.norm(point - middle)) / r for n, (middle, r) in caps.items()}
-    nearest = min(away, key=away.__getitem__, default=None)
-    return None if nearest is None or away[nearest] > BESIDE_TIP else nearest
+    ends = [end for end in vessel_ends(surface) if len(end.faces)]
+    found = {}
+    for tip in (*centerline.roots.tolist(), *centerline.leaves.tolist()):
+        away = [np.linalg.norm(centerline.points[tip] - end.center) / end.radius for end in ends]
+        if ends and min(away) <= BESIDE_TIP:
+            found[tip] = faces.most(ends[int(np.argmin(away))].faces)
+    return found
 
 
 def _faces_beyond(centerline: Centerline, face_at: dict[int, int]) -> dict[int, set[int]]:

@@ -13,6 +13,7 @@ import numpy as np
 from ..geometry import Surface, norm
 from ..lumen import (
     BESIDE_SPHERE,
+    FARTHEST,
     NEARLY,
     InscribedSpheres,
     LocalSurface,
@@ -26,10 +27,6 @@ from ..validation import Flags, Floats, Points, as_place
 from .caliber import runs_of
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
 from .lesion_value import Lesion
-
-_MATTERS = 3.0
-"""Distance of wall from a lesion's line, in diameters of its reference, beyond which it bounds
-neither its spheres nor its sections."""
 
 
 def measured(lesions: Sequence[Lesion], surface: Surface, wall: LocalSurface) -> list[Lesion]:
@@ -104,7 +101,7 @@ def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
     """
     if moved is None:
         return np.ones(len(lesion.line), dtype=bool)
-    near = moved.within(lesion.line.points, _MATTERS * float(lesion.healthy.max()))
+    near = moved.within(lesion.line.points, FARTHEST / 2 * float(lesion.healthy.max()))
     # A sphere holds its place: no wall that it touches is farther from there than its diameter.
     unknown = np.isnan(lesion.diameters)
     reach = np.where(unknown, lesion.reference_diameter, lesion.diameters)

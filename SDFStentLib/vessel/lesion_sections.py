@@ -7,22 +7,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Line, Surface, compacted, may_meet_box
-from ..lumen import ALIKE, FINE_STATIONS, OWN_WIDTH, equivalent_diameters
+from ..lumen import ALIKE, FARTHEST, FINE_STATIONS, OWN_WIDTH, equivalent_diameters
 from ..validation import Floats, Points, Triangles
 from .caliber import KEPT
 from .narrowings import Plateau
 from .runs import VesselRun
 
-SECTIONS = 16
-"""The least number of sections along a lesion; there are two to a station: by areas of a vessel
-that are a quarter of its radius apart the smallest is known to the next ones."""
-
 _HEALTHY_SECTIONS = 5
 """Number of sections along healthy vessel, of which the least oblong gives the area: branches that
 leave, and lines that go aslant, only make them larger."""
-
-_BESIDE = 2.0
-"""Distance from a lesion's line, in its widths, within which its own sections lie."""
 
 
 class Section(NamedTuple):
@@ -68,8 +61,9 @@ def smallest_section(surface: Surface, line: LesionLine, minimum: float) -> Sect
 
 
 def cut_at(line: Line) -> Floats:
-    """Arc lengths (k,) from its start at which a lesion is cut."""
-    return np.linspace(0.0, line.arc_lengths[-1], max(SECTIONS, 2 * len(line)))
+    """Arc lengths (k,) from its start at which a lesion is cut, two to a station: by areas of a
+    vessel that are a quarter of its radius apart the smallest is known to the next ones."""
+    return np.linspace(0.0, line.arc_lengths[-1], max(FINE_STATIONS, 2 * len(line)))
 
 
 def tightest(sizes: Floats, references: Floats) -> int:
@@ -98,7 +92,7 @@ def on_line(line: Line, along: Floats) -> tuple[Points, Points]:
 
 def _wall_round(surface: Surface, line: LesionLine) -> tuple[Points, Triangles]:
     """The part of a surface that holds all sections of a lesion that are its vessel's own."""
-    reach = _BESIDE * float(np.fmax(line.healthy, line.diameters).max())
+    reach = FARTHEST / 2 * float(np.fmax(line.healthy, line.diameters).max())
     low, high = line.line.points.min(axis=0) - reach, line.line.points.max(axis=0) + reach
     near = may_meet_box(surface.points, surface.triangles, low, high)
     return compacted(surface.points, surface.triangles.compress(near, axis=0))

@@ -22,6 +22,7 @@ from ..geometry import (
     checked_faces,
     places_in_plane,
 )
+from ..lumen import ASKEW, CENTERED
 from ..validation import Floats, as_place
 from .branch_lumen import tree_lumen
 from .branch_names import named_branches, size_words
@@ -32,14 +33,6 @@ from .lesion_sections import healthy_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import SMALLEST_DEGREE, Plateau
 from .runs import VesselRun, is_main
-
-_ASLANT = 2.0
-"""Distance from a section's middle, in reaches, within which an axis that goes aslant meets it."""
-
-_INNER = 0.25
-"""Healthy diameters from a narrowest place within which an axis passes it, however tight it is: in
-a throat of coarse or rough wall a sphere lies beside the line, and smoothing moves lines by half a
-millimeter."""
 
 SMALL_VESSEL = 3.0
 """Healthy diameter below which lesions come last, mm: pulmonary artery stents in the device table
@@ -174,14 +167,17 @@ def _passes(axis: Line, lesion: Lesion, beyond: float) -> bool:
     section. At a junction an axis into another branch may run inside the sphere as well.
     """
     radius, at = lesion.minimum_diameter / 2, lesion.arc_length - lesion.start
-    reach = max(radius, _INNER * lesion.reference_diameter)
+    # In a throat of coarse or rough wall a sphere lies beside the line, and smoothing moves that by
+    # half a millimeter.
+    reach = max(radius, CENTERED * lesion.reference_diameter / 2)
     before, after = lesion.line.at([at - reach, at + reach])
     first, last = beyond * radius * axis.directions[[0, -1]]
     line = np.vstack([axis.points[0] - first, axis.points, axis.points[-1] + last])
     places = places_in_plane(line[:-1], line[1:], np.array(lesion.point), after - before)
     offsets = np.linalg.norm(places - lesion.point, axis=1)
     nearest = axis.nearest(np.array([lesion.point])).distances[0]
-    return bool(nearest <= reach and (offsets <= _ASLANT * reach).any())
+    # One that goes aslant meets the section farther from its middle than it passes that.
+    return bool(nearest <= reach and (offsets <= reach / ASKEW).any())
 
 
 def _begun(

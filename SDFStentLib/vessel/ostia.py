@@ -46,10 +46,6 @@ POUCH = "pouch (aneurysm or stump)"
 SAC = "aneurysm"
 """A pouch `ANEURYSM` times as wide as its neck."""
 
-_AT_INLET = 2.0
-"""Distance of the inlet from an ostium's outlet, mm, within which both are one, or the diameter of
-the ostium."""
-
 
 @dataclass(frozen=True)
 class Ostium:
@@ -204,18 +200,19 @@ def _comes_from_root(axis: ExtendedAxis, tree: Centerline) -> bool:
 
 def _nearest_cap(surface: Surface, place: Floats) -> Indices:
     """The triangles of the flat cap whose middle is nearest to a place; none without a cap."""
-    caps = [cap.faces for cap in caps_of(surface)]
-    middles = [surface.points[surface.triangles[own]].mean(axis=(0, 1)) for own in caps]
-    away = norm(np.reshape(middles, (-1, 3)) - place)
-    return caps[int(away.argmin())] if caps else np.empty(0, dtype=np.int64)
+    caps = caps_of(surface)
+    if not caps:
+        return np.empty(0, dtype=np.int64)
+    return min(caps, key=lambda cap: float(np.linalg.norm(cap.middle - place))).faces
 
 
 def _are_at(inlet: Points, ostium: Ostium) -> Flags:
-    """Mask (k,) of an ostium's outlets at the inlet (1, 3); none where that is not known."""
+    """Mask (k,) of an ostium's outlets at the inlet (1, 3), no farther from it than the ostium is
+    wide; none where that is not known."""
     if not len(inlet):
         return np.zeros(len(ostium.outlets), dtype=bool)
     away = np.linalg.norm(ostium.outlets - inlet, axis=1)
-    return np.asarray(away < max(_diameter(ostium), _AT_INLET))
+    return np.asarray(away < _diameter(ostium))
 
 
 def _diameter(ostium: Ostium) -> float:

@@ -9,10 +9,8 @@ import numpy as np
 
 from ..centerline import Centerline, Location, points_between
 from ..geometry import Line, norm
+from ..lumen import FINEST
 from ..validation import Floats, Indices
-
-_FINE = 0.1
-"""Spacing of an axis's points for distances from it, mm."""
 
 
 def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
@@ -119,7 +117,7 @@ class LinesFromAxis:
         step = norm(ahead - self._points.take(self._nodes, axis=0))
         step[self._starts - 1] = 0.0
         self._longest = float(step.max())
-        along = cKDTree(axis.resampled(_FINE).points)
+        along = cKDTree(axis.resampled(FINEST).points)
         self._from_axis = along.query(self._points, distance_upper_bound=beside)[0]
 
     def leaving(self, distance: float, place: Floats, near: float) -> Iterator[Line]:

@@ -15,9 +15,6 @@ from .branch_names import branch_names, faces_at_ends
 from .tree_around import branch_of
 from .vessel_ends import vessel_ends
 
-MOSTLY = 0.5
-"""Share of a face of the model in one flat cap from which on it is a cap."""
-
 
 class VesselParts(NamedTuple):
     """A vessel as it is cut."""
@@ -73,7 +70,8 @@ def vessel_parts(
             continue
         kinds, counts = np.unique(ids[end.faces], return_counts=True)
         number = int(kinds[np.argmax(counts)])
-        if counts.max() <= MOSTLY * np.count_nonzero(ids == number):
+        # Of a face of the model that is a cap most lies in that.
+        if counts.max() <= np.count_nonzero(ids == number) - counts.max():
             number = int(ids.max()) + 1
             ids[end.faces] = number
         caps.add(number)

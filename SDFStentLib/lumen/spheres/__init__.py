@@ -8,6 +8,7 @@ from .inscribed import SphereSearch as SphereSearch
 from .inscribed import StationSearch as StationSearch
 from .inscribed import inscribed_spheres as inscribed_spheres
 from .local_surface import AROUND as AROUND
+from .local_surface import SOME as SOME
 from .local_surface import LocalSurface as LocalSurface
 from .local_surface import known_index as known_index
 from .local_surface import some_corners as some_corners

@@ -14,16 +14,16 @@ import numpy as np
 
 from ...geometry import Balls, across, dot, norm
 from ...validation import Floats, Indices, Points
-from ..tolerances import BESIDE_SPHERE
+from ..tolerances import BESIDE_SPHERE, OWN_WIDTH
 from .climb import CORNERS, WAY_BOX, InscribedSpheres, next_boxes
 from .max_min_step import LinearRows, largest_steps
 
 _ACROSS = 6
 """Directions by side of a cube: 15 degrees each."""
 
-_DIAMETERS, _MORE = 0.75, 3.0
-"""Diameters, and mm more, of the wall round a station that is followed: a stent that is wider than
-the vessel reaches wall that no sphere touched before it."""
+_MORE = 3.0
+"""Distance beyond a vessel's own wall, mm, of wall that is followed: a stent that is wider than the
+vessel reaches wall that no sphere touched before it."""
 
 _STEPS = 5
 """Steps of a climb; with more of them radii change by less than a percent."""
@@ -91,7 +91,7 @@ def followed_wall(
     diameters : (n,) array
         About how wide it is, mm.
     """
-    station, point = wall.near(stations, _DIAMETERS * diameters + _MORE)
+    station, point = wall.near(stations, OWN_WIDTH / 2 * diameters + _MORE)
     offset = wall.middles.take(point, axis=0) - stations.take(station, axis=0)
     field = station * (6 * _ACROSS**2) + _fields(offset)
     order = np.lexsort((dot(offset, offset), field))

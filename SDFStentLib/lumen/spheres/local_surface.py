@@ -17,12 +17,11 @@ from ...geometry import (
     section_around,
 )
 from ...validation import Flags, Floats, Indices, Points, Triangles
+from ..tolerances import ROUNDING
 
-_SOME = 1000
-"""Number of a surface's corners that stand for all where about how far it is away is enough."""
-
-_AMPLY = 1.1
-"""Factor on what the box is to grow by, against rounding."""
+SOME = 1000
+"""Number of a surface's corners that stand for all where about how far it is away is enough, or
+about how wide."""
 
 _ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 """Multipliers that make one number of the three of a place; any large odd ones would do."""
@@ -33,7 +32,7 @@ AROUND = 2.5
 
 def some_corners(points: Points, triangles: Triangles) -> Points:
     """Some of the corners of triangles (m, 3)."""
-    return points[triangles[:: max(1, len(triangles) // _SOME), 0]]
+    return points[triangles[:: max(1, len(triangles) // SOME), 0]]
 
 
 _kept: WeakKeyDictionary[Surface, SurfaceIndex] = WeakKeyDictionary()
@@ -92,7 +91,7 @@ class LocalSurface:
             return np.empty(0)
         if self._index is None:
             # No wall that is nearer than some of it lies farther around.
-            self._grow(_AMPLY * float(self._vertex_distances(centers).max()))
+            self._grow((1 + ROUNDING) * float(self._vertex_distances(centers).max()))
         distance = self.index.distances(centers).distance
         if self._cover(centers, distance):
             # More triangles are never farther away: what has been covered is enough.
@@ -127,7 +126,7 @@ class LocalSurface:
         """Hold all within the radii of the centers."""
         if self._index is None:
             self._low, self._high = self._centers.min(axis=0), self._centers.max(axis=0)
-            self._grow(_AMPLY * self._missing(centers, radii))
+            self._grow((1 + ROUNDING) * self._missing(centers, radii))
         # Where the box holds nothing, a larger one is taken.
         self._index = self.index
         self._cover(centers, radii)
@@ -204,7 +203,7 @@ class LocalSurface:
         if missing <= 0 or self._is_whole():
             return False
         # Doubling spares growing at every step, but twice the margin of a center on a vertex is 0.
-        self._grow(max(2 * self._margin, self._margin + _AMPLY * missing))
+        self._grow(max(2 * self._margin, self._margin + (1 + ROUNDING) * missing))
         return True
 
 

@@ -10,10 +10,9 @@ from .local_surface import LocalSurface
 from .max_min_step import LinearRows
 from .wall_points import WallPoints
 
-_SPARE, _MOST, _FEW = 0.05, 0.5, 3
+_SPARE = 0.05
 """Share of the radius by which more of the wall is looked up than a step needs, not by its reach:
-that grows threefold while a center is far from its place. With few centers a search costs more
-than what it finds: up to the most, so many over their number."""
+that grows threefold while a center is far from its place."""
 
 _HELD = 0.7
 """Share of the centers left at which bounds of the others are dropped."""
@@ -50,8 +49,7 @@ class Neighborhood:
         active : (k,) array of int
             The centers that are looked at, in order.
         """
-        share = min(max(_SPARE, _FEW / len(active)), _MOST)
-        spare = share * radii[active]
+        spare = _SPARE * radii[active]
         query, offset, distance = self._offsets(centers, active, radii[active] + reach, spare)
         starts = np.searchsorted(query, active)
         radius = np.minimum.reduceat(distance, starts)

@@ -13,12 +13,9 @@ import numpy as np
 
 from ...geometry import Line, across, norm
 from ...validation import Floats, Indices, Points
-from ..tolerances import CENTERED
+from ..tolerances import CENTERED, WITHIN
 from .climb import InscribedSpheres
 from .local_surface import LocalSurface
-
-_DISK = 0.9
-"""Share of the distance from there to the wall within which the middle is looked for."""
 
 _TRIED = 5
 """Places across a disk, tried together; then the disk is half as wide, about the best one,"""
@@ -66,7 +63,7 @@ def with_own_spheres(
     if which:
         again, places = np.concatenate(which), np.concatenate(middles)
         ways = directions[again] / norm(directions[again])[:, None]
-        disks = _DISK * np.maximum(wall.distances(places), 1e-12)
+        disks = WITHIN * np.maximum(wall.distances(places), 1e-12)
         own = largest_in_disks(wall, places, across(ways), disks)
         smaller = own.radii < radii[again]
         centers[again[smaller]], radii[again[smaller]] = own.at(np.flatnonzero(smaller))
