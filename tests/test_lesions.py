@@ -300,6 +300,18 @@ def test_what_is_over_where_the_vessel_goes_on_in_a_branch_is_told_there_if_that
     assert [one.vessel for one in found_narrowings([parent, aside], [0, 1])] == [0, 1]
 
 
+@pytest.mark.parametrize(("throat", "vessels"), [(47.0, [0, 1]), (44.0, [1])])
+def test_what_is_narrowest_beyond_a_fork_is_its_own_though_a_branch_is_tighter(throat, vessels):
+    """54 % of a vessel beyond a fork were dropped for 67 % of the branch that leaves there."""
+    along = np.arange(0, 80.1, 0.5)
+    parent = vessel_along(5.5 - 3.0 * np.clip(1 - np.abs(along - throat) / 6, 0, 1))
+    beyond = np.arange(0, 25.1, 0.5)
+    aside = leaving(np.interp(beyond, [0, 2, 3, 8], [1.8, 1.8, 1.8, 5.5]), 45.0)
+    aside = aside._replace(line=Line(aside.points + np.array([1.5, 0.0, 0.0])))
+    runs = [parent, aside._replace(caliber=5.5, beside=(5.5,))]
+    assert [one.vessel for one in found_narrowings(runs, [0, 1])] == vessels
+
+
 def test_a_throat_from_which_several_branches_go_on_narrower_is_that_of_the_vessel_before():
     """44 % at the end of a trunk were dropped for 48 % and 47 % of two of three branches."""
     trunk = vessel_along(through((0, 10.6), (50, 10.6), (60, 5.9)))
@@ -445,6 +457,18 @@ def through(*places):
 def reference_of(diameter, parent=-1) -> float:
     (one,) = narrowings(vessel_along(diameter, parent))
     return float(one.reference.at(np.array([one.narrowest]))[0])
+
+
+def test_healthy_vessel_between_a_trunk_and_a_throat_is_the_reference_though_it_is_short():
+    """62 % were told of 57: the flank seemed to go on up to the trunk of 17.7 mm."""
+    places = [0, 12, 16, 19, 23, 27, 30, 32, 34, 36, 37, 39, 40, 41, 43, 44, 45, 48, 70]
+    widths = [16, 16, 17.3, 17.7, 17.1, 15, 13.7, 13, 12.6, 12.3]
+    widths += [10.5, 8.2, 5.4, 6.1, 7.5, 9.8, 10.3, 10.4, 10.4]
+    whole = np.interp(np.arange(0, 70.1, SPACING), places, widths)
+    vessel = vessel_along(whole[64:], 0, start=32.0)._replace(caliber=12.0, beside=(6.0,))
+    (one,) = found_narrowings([vessel_along(whole[:65]), vessel], [0, 1])
+    assert one.narrow.reference.proximal.diameter < 14
+    assert one.narrow.degree == pytest.approx(1 - 5.4 / 11.5, abs=0.02)
 
 
 def test_a_vessel_that_widens_far_beyond_its_ostial_narrowing_is_measured_beside_it():

@@ -137,9 +137,12 @@ class FoundNarrowing:
     def continues(self, other: FoundNarrowing) -> bool:
         """Whether another one goes on in this one, which is tighter: in one throat.
 
-        Its vessel goes on in this one's, and they are no farther apart than it is wide.
+        Its vessel goes on in this one's, it is narrowest before that, and they are no farther apart
+        than it is wide.
         """
-        if self.way.parent != other.vessel or self.way.begins[0][1] == self.vessel:
+        is_onward = self.way.begins[0][1] != self.vessel
+        begins = next(begin for begin, vessel in self.way.begins if vessel == self.vessel)
+        if self.way.parent != other.vessel or not is_onward or other.narrow.narrowest > begins:
             return False
         places = (one.run.points[one.narrowest] for one in (self, other))
         is_near = np.linalg.norm(np.subtract(*places)) < other.healthy

@@ -276,7 +276,7 @@ def _healthy(caliber: Caliber, at: int, way: int, least: float, junction: float)
     steepest = np.maximum.accumulate(rise)
     own = abs(junction - float(caliber.along[at]))
     beyond = np.where(away < own, np.minimum(2 * away, own), 2 * away)
-    as_far = np.maximum(last, np.searchsorted(away, beyond, side="right")).tolist()
+    as_far = np.searchsorted(away, beyond, side="right").tolist()
     for first in np.flatnonzero(kept >= least).tolist():
         part = slice(first, last[first])
         if last[first] == len(away) and not is_cut and np.ptp(away[part]) < KEPT * kept[first]:
