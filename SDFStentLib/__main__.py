@@ -15,10 +15,8 @@ def main() -> int:
     end_at_once()
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
-    from .cli import load
     from .cli import main as command
 
-    load()
     code = command()
     if code == INTERRUPTED:
         # An interruption that came while text was executed (as dataclasses do) is remembered by

@@ -104,23 +104,6 @@ print([os.environ[name] for name in {ONE_THREAD}])
     assert str(["1", "1", "1"]) in python(script, env=clean).stdout
 
 
-def test_what_a_command_imports_is_not_looked_through_for_garbage():
-    script = """
-import gc
-before = gc.get_freeze_count()
-from SDFStentLib.cli import load, main
-passes = []
-gc.callbacks.append(lambda phase, info: passes.append(phase))
-load()
-assert not passes
-assert gc.isenabled()
-assert gc.get_freeze_count() > before
-del gc.callbacks[:]
-main(["--version"])
-"""
-    assert "sdfstent" in python(script).stdout
-
-
 # Nothing waits for ever: every loop ends for a reason that stands beside it.
 
 
