@@ -157,7 +157,7 @@ def _caps_beyond(surface: Surface, tube: Tube, part_of_triangle: Indices) -> lis
     middles = [surface.points[surface.triangles[faces]].mean(axis=(0, 1)) for faces in caps]
     relative, _ = _seen_from(np.reshape(middles, (-1, 3)), tube)
     return [
-        _Cap(_most(part_of_triangle[faces]), faces, center)
+        _Cap(int(np.bincount(part_of_triangle[faces]).argmax()), faces, center)
         for faces, center, away in zip(caps, middles, relative, strict=True)
         if away > BEYOND
     ]
@@ -214,8 +214,3 @@ def labels_round(mask: Mask) -> Indices:
         pairs.append(np.stack([one[joined], other[joined]]))
     label = connected(mask.size, *np.hstack(pairs))[1].reshape(mask.shape)
     return np.where(mask, label + 1, 0)
-
-
-def _most(values: NDArray[np.int64]) -> int:
-    kinds, counts = np.unique(values, return_counts=True)
-    return int(kinds[np.argmax(counts)])

@@ -39,8 +39,11 @@ inside the box the radius grows and every distance shrinks by at most its half d
 _ROUNDS = 200
 """Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
 
-_ROUGHLY, _FINER = 60, 30
-"""Number of the wall's points round a sphere in the first search, and factor for the next."""
+ROUGHLY = 60
+"""Number of the wall's points round a sphere that tell about where it ends."""
+
+_FINER = 30
+"""Factor on their number from one rough search to the next."""
 
 _TOGETHER = 800
 """Stations of about one size that are searched roughly together: every step costs something."""
@@ -134,8 +137,8 @@ def rough_spheres(
     # Among about as many points round every sphere, whatever its size.
     for own in np.array_split(np.argsort(around), len(starts) // _TOGETHER + 1):
         usual = float(np.quantile(around[own], 0.25)) if len(own) else 0.0
-        if usual > _ROUGHLY / 2:
-            stride = max(1.0, usual / _ROUGHLY)
+        if usual > ROUGHLY / 2:
+            stride = max(1.0, usual / ROUGHLY)
             spheres = _among_points(surface, stride, starts[own], axes[own], until.at(own))
             found.centers[own], found.radii[own] = spheres
     return found

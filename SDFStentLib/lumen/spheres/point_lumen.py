@@ -8,10 +8,8 @@ from numpy.typing import ArrayLike
 from ...geometry import Line, across, dot
 from ...validation import Flags, Floats, Indices, InputError, Points, as_points
 from ..tolerances import ACROSS
+from .climb import ROUGHLY
 from .followed import among_points
-
-NEAREST = 64
-"""Points of the wall, nearest to a center, that a step looks at."""
 
 
 def rough_radii(points: ArrayLike, centers: ArrayLike, normals: ArrayLike) -> Floats:
@@ -40,7 +38,7 @@ def rough_radii(points: ArrayLike, centers: ArrayLike, normals: ArrayLike) -> Fl
         raise InputError(f"centers: expected at least 2 points, got {len(starts)}.")
     along = Line(starts).directions
     is_cap = np.abs(along @ as_points(normals, "normals").T) > ACROSS
-    count = min(NEAREST, len(wall))
+    count = min(ROUGHLY, len(wall))
     station = np.repeat(np.arange(len(starts)), count)
 
     def around(centers: Points) -> tuple[Indices, Points]:
