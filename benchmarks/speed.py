@@ -31,7 +31,7 @@ from .common import AORTA_TRIANGLES, aorta_case, markdown, progress
 from .sweep import DATA_FOLDER, PROJECT
 
 SURFACE, CENTERLINE = (
-    str(DATA_FOLDER / f"su0243_{name}_mm.vtp") for name in ("surface", "centerline")
+    str(DATA_FOLDER.resolve() / f"su0243_{name}_mm.vtp") for name in ("surface", "centerline")
 )
 IN_LEFT_ARTERY = ("9.30", "-77.34", "-55.57")
 """Where the left artery of the patient is narrowest, mm."""
@@ -105,6 +105,7 @@ def run(row: Row, checkout: Path) -> Run:
     start = time.perf_counter()
     child = subprocess.Popen(
         [sys.executable, *row.arguments],
+        cwd=checkout,  # Python looks there before all else
         env={**os.environ, "PYTHONPATH": str(checkout)},
         stdout=subprocess.PIPE,
         text=True,

@@ -90,6 +90,19 @@ def test_the_published_rule_leaves_the_lumen_that_the_paper_tells(data_dir):
 # How it is told ----------------------------------------------------------------------------------
 
 
+def test_each_checkout_is_timed_with_its_own_library_wherever_one_stands(tmp_path, monkeypatch):
+    speed = benchmark("speed")
+    for name in ("one", "other"):
+        package = tmp_path / name / "SDFStentLib"
+        package.mkdir(parents=True)
+        (package / "__init__.py").touch()
+        (package / "__main__.py").write_text(f"print([{len(name)}.0])", "utf-8")
+    monkeypatch.chdir(tmp_path / "one")
+    row = speed.Row("printed", ("-m", "SDFStentLib"), is_own=True)
+    found = [speed.run(row, tmp_path / name).seconds for name in ("one", "other")]
+    assert found == [3.0, 5.0]
+
+
 def test_processes_of_two_checkouts_are_timed_in_turn():
     speed = benchmark("speed")
     row = speed.Row("printed", ("-c", "print('[0.5, 1.5]')"), is_own=True)
