@@ -564,6 +564,15 @@ def test_a_vessel_that_tapers_far_beyond_its_narrow_ostium_is_no_aneurysm():
     assert not narrowings(vessel_along(focal, parent=0))
 
 
+@pytest.mark.parametrize(("end", "is_told"), [(33, True), (45, False)])
+def test_a_vessel_that_soon_ends_beyond_is_no_aneurysm(end, is_told):
+    """56 % at the ostium of a branch that tapers to its end were not told."""
+    places = [0, 2.1, 3.2, 4.3, 6.4, 8.5, 10.7, 12.7, 14.5, 17.6, 20.6, 24, 28.4, 33, end]
+    widths = [2.66, 3.8, 4.4, 4.1, 4.8, 5.5, 6.1, 6.3, 5.8, 4.9, 4.4, 3.6, 2.65, 2.2, 2.4]
+    diameter = np.interp(np.arange(0, end + 0.1, SPACING), places, widths)
+    assert bool(narrowings(vessel_along(diameter, parent=0))) == is_told
+
+
 def test_a_narrow_ostium_is_told_though_a_throat_and_a_taper_follow():
     """60 % were not told: far beyond, the vessel tapers to no more than its ostium."""
     course = through(

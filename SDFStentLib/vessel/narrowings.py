@@ -247,7 +247,7 @@ def _one_sided(caliber: Caliber, at: int, way: int) -> float:
     """Width again near a junction, but in an aneurysm.
 
     That is widest in its middle third, loses half of it as fast as a throat regains it, and beyond
-    it the vessel stays as narrow as before.
+    it the vessel stays as narrow as before, over the same length: what ends sooner tapers.
     """
     away, diameter, kept = _side(caliber, at, way)
     widest = _widest(caliber, at, way, ONE_SIDED_REACH)
@@ -259,7 +259,8 @@ def _one_sided(caliber: Caliber, at: int, way: int) -> float:
     if not len(back) or half[0] - away[peak] > ONE_SIDED_REACH * widest:
         return widest
     is_focal = away[back[0]] <= 3 * away[peak] and np.median(diameter[back[0] :]) <= diameter[0]
-    return float(diameter[0]) if is_focal else widest
+    stays = away[-1] - away[back[0]] >= ONE_SIDED_REACH * diameter[0]
+    return float(diameter[0]) if is_focal and stays else widest
 
 
 def _healthy(caliber: Caliber, at: int, way: int, least: float, junction: float) -> Plateau | None:
