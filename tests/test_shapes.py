@@ -197,6 +197,22 @@ def test_the_certificate_notices_a_lumen_that_is_not_the_profile():
         assert check.is_wide == (factor > 1)
 
 
+@pytest.mark.parametrize(("wider", "half", "is_wide"), [(0.3, 1.5, False), (0.9, 2.5, True)])
+def test_wide_parts_may_drag_free_wall_beside_a_waist_along_but_no_farther(wider, half, is_wide):
+    """By 0.4 mm of radius here: ends 0.7 mm wider, less by the way to them."""
+    vessel = phantom("straight_tube", edge_length=0.6, radius=3.8)
+    treatment = treated(Shape(waist=Waist(6.6, 0.5, 6.0)), vessel)
+    for _ in treatment:
+        pass
+    deployment = treatment._stages[0].deployment
+    points = deployment.result.surface.points.copy()
+    waist = np.abs(points[:, 2] - 20) < half
+    points[waist, :2] *= (3.8 + wider) / np.linalg.norm(points[waist, :2], axis=1)[:, None]
+    dragged = deployment.result.surface.with_points(points)
+    (check,) = deployment.lumen_checks(treatment.surface, dragged)
+    assert check.is_wide == is_wide
+
+
 def test_the_contact_with_the_wall_is_that_of_the_profile():
     """A waist hangs as little free as the ends: the wall follows it."""
     (stent,) = treated(HOURGLASS).result.stents

@@ -154,9 +154,16 @@ def test_an_axis_does_not_pass_through_a_thin_wall_into_the_next_lumen():
     """Beyond the wall of a hairpin's leg is its other leg, where the axis would be free again."""
     made = phantom("hairpin_tube")
     axis = made.axis_at(np.linspace(5, 45, 120))
-    found = permitted(straight_way(Line(axis)), 3.0, made.surface, 1.0)
+    way = straight_way(Line(axis))
+    found = permitted(way, 3.0, made.surface, 1.0)
     assert found.fraction < 0.5
     assert np.isfinite(found.place).all()
+    # It goes as far as it may: half of what it had from the wall is left where that is tightest.
+    had, has = (
+        wall_distances(made.points, made.triangles, way.at(done).points)
+        for done in (0.0, found.fraction)
+    )
+    assert (has - np.minimum(had, 3.0) / 2).min() == pytest.approx(0.0, abs=0.02)
 
 
 # The certificate -------------------------------------------------------------------------------
