@@ -209,6 +209,24 @@ os._exit(0)
     assert "Traceback" not in done.stderr
 
 
+def test_it_ends_in_silence_where_nobody_is_there_for_its_answer():
+    """A page that ended beside a treatment left "Broken pipe" with a traceback."""
+    program = """
+from threading import Event
+from SDFStentLib.beside.process import Answer
+from SDFStentLib.beside.program import Program
+class Gone:
+    def recv_bytes(self):
+        Event().wait()
+    def send_bytes(self, content):
+        raise BrokenPipeError
+Program(Gone())._tell(Answer(1, None))
+print("goes on")
+"""
+    done = python(program)
+    assert (done.stdout, done.stderr) == ("", "")
+
+
 def test_without_a_python_there_is_none(monkeypatch):
     monkeypatch.setattr("sys.executable", "/opt/application")
     monkeypatch.setenv("PATH", "")

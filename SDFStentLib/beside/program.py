@@ -48,7 +48,7 @@ class Program:
                 self._newest = int.from_bytes(content[:NUMBER_BYTES], "big")
                 self._requests.put(content[NUMBER_BYTES:])
         except (OSError, EOFError):
-            os._exit(0)  # whatever is being calculated, nobody waits for it
+            _end()
 
     def _do(self, request: Request) -> None:
         if request.held is not None:
@@ -117,7 +117,16 @@ class Program:
             self._tell(Answer(number, state.numbers(lesions)))
 
     def _tell(self, answer: Answer) -> None:
-        self._connection.send_bytes(self._shared.packed(answer))
+        content = self._shared.packed(answer)
+        try:
+            self._connection.send_bytes(content)
+        except OSError:
+            _end()
+
+
+def _end() -> None:
+    """End at once: the other process is gone, and nobody waits for what is being calculated."""
+    os._exit(0)
 
 
 def main() -> None:
