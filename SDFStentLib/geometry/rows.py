@@ -66,6 +66,12 @@ def box_of(points: Points) -> tuple[Floats, Floats]:
     return np.array([x.min() for x in columns]), np.array([x.max() for x in columns])
 
 
+def in_box(points: Points, low: Floats, high: Floats) -> Flags:
+    """Mask (n,) of the points (n, 3) in a box, its sides counted, likewise."""
+    columns = zip(points.T, low, high, strict=True)
+    return np.logical_and.reduce([(x >= first) & (x <= last) for x, first, last in columns])
+
+
 def across(directions: Floats) -> Floats:
     """Two unit vectors (n, 2, 3) perpendicular to every unit direction (n, 3) and to each other."""
     axis = np.eye(3)[np.abs(directions).argmin(axis=1)]

@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..geometry import Surface, dot, faces_at, norm, product, search_tree
+from ..geometry import Surface, dot, faces_at, in_box, norm, product, search_tree
 from ..validation import Flags, Floats, Points, Triangles
 from .closed_ends import OpenWall
 from .cross_section import equivalent_diameters
@@ -31,8 +31,7 @@ class MovedWall(NamedTuple):
     def within(self, points: Points, reach: float) -> MovedWall:
         """The part of it in the box that reaches `reach` mm beyond some points (n, 3)."""
         low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
-        columns = zip(self.places.T, low, high, strict=True)
-        kept = np.logical_and.reduce([(x >= first) & (x <= last) for x, first, last in columns])
+        kept = in_box(self.places, low, high)
         return MovedWall(self.places.compress(kept, axis=0), self.apart)
 
     def comes_near(self, centers: Points, radii: Floats) -> Flags:

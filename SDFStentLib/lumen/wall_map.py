@@ -13,6 +13,7 @@ from ..geometry import (
     Surface,
     faces_at,
     frames,
+    in_box,
     may_meet_box,
     nearest_distances,
     product,
@@ -95,11 +96,9 @@ def corner_tree(surface: Surface) -> Any:
 def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
     """The triangles with a corner within `reach` mm of some points (n, 3)."""
     low, high = axis.min(axis=0) - reach, axis.max(axis=0) + reach
-    # By column: reductions over rows of three are slow.
-    columns = zip(surface.points.T, low, high, strict=True)
-    in_box = np.flatnonzero(np.logical_and.reduce([(x >= a) & (x <= b) for x, a, b in columns]))
+    inner = np.flatnonzero(in_box(surface.points, low, high))
     is_near = np.zeros(len(surface.points), dtype=bool)
-    is_near[in_box[_within(surface.points.take(in_box, axis=0), axis, reach)]] = True
+    is_near[inner[_within(surface.points.take(inner, axis=0), axis, reach)]] = True
     # A long triangle may have all corners far.
     kept = faces_at(is_near, surface.corners.T)
     if len(surface.triangles) < _FEW:

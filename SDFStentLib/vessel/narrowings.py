@@ -247,7 +247,8 @@ def _one_sided(caliber: Caliber, at: int, way: int) -> float:
     """Width again near a junction, but in an aneurysm.
 
     That is widest in its middle third, loses half of it as fast as a throat regains it, and beyond
-    it the vessel stays as narrow as before, over the same length: what ends sooner tapers.
+    it the vessel stays as narrow as before, as far as counts at an ostium: what ends sooner
+    tapers.
     """
     away, diameter, kept = _side(caliber, at, way)
     widest = _widest(caliber, at, way, ONE_SIDED_REACH)

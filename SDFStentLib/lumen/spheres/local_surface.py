@@ -12,6 +12,7 @@ from ...geometry import (
     Surface,
     SurfaceIndex,
     box_of,
+    in_box,
     may_meet_box,
     nearest_distances,
     section_around,
@@ -115,8 +116,7 @@ class LocalSurface:
         margin = AROUND * reach.max(initial=0.0)
         low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
         middles, radii = self.index.centroids, self.index.disc_radii
-        columns = zip(middles.T, low, high, strict=True)
-        is_near = np.logical_and.reduce([(x >= first) & (x <= last) for x, first, last in columns])
+        is_near = in_box(middles, low, high)
         # A triangle with equal sides whose corners lie on a circle of radius 1 has the area 1.3.
         area = 1.3 * float(np.median(radii[is_near] if is_near.any() else radii)) ** 2
         # Of a center far outside there are not more than there are.
