@@ -477,6 +477,16 @@ def test_a_vessel_that_widens_far_beyond_its_ostial_narrowing_is_measured_beside
     assert reference_of(widening, parent=0) == pytest.approx(3.6, abs=0.1)
 
 
+def test_a_bump_in_an_ostial_throat_is_no_healthy_vessel():
+    """22 % of the bump were told of 66: beyond the nearer of two throats nothing is wide soon."""
+    places = [0.0, 0.7, 1.4, 2.0, 2.6, 3.3, 3.9, 4.5, 5.2, 5.9, 6.5, 7.2, 7.8]
+    widths = [1.58, 1.20, 1.50, 1.50, 1.19, 1.52, 1.80, 1.64, 2.11, 2.63, 2.54, 2.86, 3.3]
+    along = np.append(places, np.arange(8.5, 40.0, 0.7))
+    (one,) = narrowings(vessel_along(np.interp(along, places, widths), 0, along))
+    assert one.reference.proximal is None
+    assert one.reference.distal.diameter == pytest.approx(3.3, abs=0.1)
+
+
 def test_both_sides_of_a_narrowing_count_where_one_goes_on_wider():
     """Healthy vessel of 3.7 mm beside it passed for a throat of the wider one."""
     widening = through((0, 3.7), (8, 3.7), (12, 2.0), (16, 4.0), (22, 4.2), (32, 5.5), (50, 5.5))

@@ -167,12 +167,15 @@ def _reference(
     """The healthy vessel about a minimum; None where that does not persist."""
     narrow, begins = float(caliber.diameter[at]), own[0]
     widest, smallest = _again(caliber, at, begins, eased)
-    is_ostial = run.parent >= 0
-    is_one_sided = is_ostial and narrow > (1 - smallest + eased) * widest
-    if is_one_sided:
-        above, widest = (_one_sided(caliber, at, way) for way in (-1, 1))
-        smallest = SMALLEST_ONE_SIDED if widest > above else 1.0
-    if narrow > (1 - smallest + eased) * widest:
+    persists = narrow <= (1 - smallest + eased) * widest
+    is_ostial, is_one_sided = run.parent >= 0, False
+    if is_ostial:
+        above, beyond = (_one_sided(caliber, at, way) for way in (-1, 1))
+        is_told = beyond > above and narrow <= (1 - SMALLEST_ONE_SIDED + eased) * beyond
+        # What lies between two places as narrow has regained little of what the vessel has beyond.
+        is_one_sided = is_told and (not persists or widest < narrow + REGAINED * (beyond - narrow))
+        widest = beyond if is_one_sided else widest
+    if not (persists or is_one_sided):
         return _alone(run, narrow, eased)
     least = narrow + REGAINED * (widest - narrow)
     after = _healthy(caliber, at, 1, least, own[1])
