@@ -471,6 +471,23 @@ def test_healthy_vessel_between_a_trunk_and_a_throat_is_the_reference_though_it_
     assert one.narrow.degree == pytest.approx(1 - 5.4 / 11.5, abs=0.02)
 
 
+def test_a_trunk_two_junctions_before_a_throat_is_not_its_healthy_vessel():
+    """83 % were told of 73, against a trunk of 17.6 mm 36 mm away: the vessel between tapers."""
+    before = [10, 12, 14, 16, 18, 20, 22, 28, 30, 32, 34, 36, 38, 40, 42, 43.1]
+    wide = [17.0, 17.4, 17.6, 17.7, 17.5, 17.1, 16.2, 9.7, 9.3, 10.0, 9.4, 7.5, 6.1, 5.3, 4.8, 4.1]
+    beyond = [43.1, 45.5, *np.arange(46.2, 56.1, 0.6), *np.arange(57.1, 95.0, 1.2)]
+    throat = [4.1, 3.5, 3.0, 2.7, 2.7, 2.5, 2.1, 1.8, 1.8, 2.0, 1.7, 1.5, 1.7, 2.1, 2.2, 2.2]
+    throat += [2.5, 3.0, 3.4, 3.8, 4.2, 4.9, 5.5, 5.9]
+    widths = np.pad(throat, (0, len(beyond) - len(throat)), mode="edge")
+    trunk = vessel_along(np.array(wide), -1, before)
+    vessel = vessel_along(widths, 0, beyond)
+    division = (SideBranch(43.1, 6.1, 1), SideBranch(43.1, 3.9, 2))
+    trunk, near = trunk._replace(division=division), vessel._replace(caliber=6.1, beside=(3.9,))
+    (one,) = found_narrowings([trunk, near], [0, 1])
+    assert one.narrow.reference.proximal is None
+    assert one.narrow.degree == pytest.approx(1 - 1.5 / 5.9, abs=0.02)
+
+
 def test_a_vessel_that_widens_far_beyond_its_ostial_narrowing_is_measured_beside_it():
     """It was told against the 5.2 mm of its widest part: 65 % instead of 50 %."""
     widening = through((0, 1.8), (4, 3.6), (8, 3.6), (11, 5.2), (40, 5.2))

@@ -16,7 +16,7 @@ import numpy as np
 from ..centerline import USUAL
 from ..validation import Floats
 from .caliber import ANEURYSM, KEPT, Caliber, caliber_of
-from .runs import MURRAY_EXPONENT, VesselRun
+from .runs import LOCAL, MURRAY_EXPONENT, VesselRun
 
 SMALLEST_DEGREE = 0.15
 """Persistence of a narrowing, of the diameter; less is the unevenness of healthy vessels and of
@@ -188,6 +188,10 @@ def _reference(
         beyond = widest if is_one_sided else _widest(caliber, at, 1)
         if narrow > (1 - SMALLEST_ONE_SIDED + eased) * beyond:
             return _alone(run, narrow, eased)
+    if before is not None and after is not None and before.arc_length < begins:
+        # So far beyond a junction the caliber is that of other vessels.
+        is_local = caliber.along[at] - before.arc_length <= LOCAL * after.diameter
+        before = before if is_local else None
     return Reference(before, after, widest, _beyond(run, before, after, begins), begins)
 
 

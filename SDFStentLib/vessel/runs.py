@@ -32,7 +32,8 @@ CONTINUES = 0.7
 may taper over a narrowing. Half of the area."""
 
 LOCAL = 4.0
-"""Diameters before a junction in which the caliber of the vessel is looked for."""
+"""Diameters before a junction in which the caliber of the vessel is looked for, and beyond one in
+which healthy vessel is that of a narrowing."""
 
 
 class SideBranch(NamedTuple):
