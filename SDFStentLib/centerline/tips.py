@@ -60,10 +60,12 @@ class _Reach:
         values[known] = np.inf  # nothing reaches farther
         found = []
         for peak, saddle in _persistent(values, links):
+            if self.away[peak] <= saddle or values[peak] == np.inf:
+                continue  # no longer than wide: most are
             way = self.beyond(peak, saddle)
             # As the crow flies: from ball to ball ways go zigzag.
             far = norm(centers[way] - centers[way[-1]]) + radii[way]
-            if far.max() > 2 * radii[way].max() and values[peak] < np.inf:
+            if far.max() > 2 * radii[way].max():
                 found.append(way)
         found.sort(key=lambda way: -self.reach[way[0]])
         met = centers[limbs_met(self.balls, self.former)[:, 0]]

@@ -8,7 +8,6 @@ two ways that meet are the same from there to the inlet.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -72,10 +71,6 @@ class WidestWays:
         cost, self._former = cheapest(balls.links, costs, len(balls.radii), inlet)
         self.is_reached = np.isfinite(cost)
 
-    def to(self, ball: int) -> Indices:
-        """The balls (k,) of the way to one of them, from the inlet on."""
-        return _back(self._former, ball)[::-1]
-
     def tree(self, ends: Sequence[int]) -> list[Indices]:
         """Ways to some balls as a tree: where they part, the widest goes on and others begin.
 
@@ -83,12 +78,14 @@ class WidestWays:
         that it leaves. It comes after that way.
         """
         children: dict[int, list[int]] = {}
+        known: set[int] = set()
         for end in ends:
-            way = self.to(end).tolist()
-            for above, below in pairwise(way):
-                under = children.setdefault(above, [])
-                if below not in under:
-                    under.append(below)
+            ball = end
+            # Ends: ways lead back to the inlet.
+            while ball not in known and (above := int(self._former[ball])) >= 0:
+                known.add(ball)
+                children.setdefault(above, []).append(ball)
+                ball = above
         return list(_parted(self.inlet, children, self._widths(children)))
 
     def meetings(self) -> Indices:
@@ -100,14 +97,15 @@ class WidestWays:
         order = [self.inlet]
         for ball in order:
             order.extend(children.get(ball, ()))
+        below = np.array(order[1:], dtype=np.int64)
+        lengths = norm(self.balls.centers[below] - self.balls.centers[self._former[below]])
+        areas = dict(zip(order[1:], (lengths * self.balls.radii[below]).tolist(), strict=True))
+        steps = dict(zip(order[1:], lengths.tolist(), strict=True))
         beyond: dict[int, tuple[float, float]] = {}
         for ball in reversed(order):
-            under = children.get(ball, [])
-            steps = norm(self.balls.centers[under] - self.balls.centers[ball])
-            areas = steps * self.balls.radii[under]
             ways = [
-                (beyond[below][0] + area, beyond[below][1] + step)
-                for below, step, area in zip(under, steps.tolist(), areas.tolist(), strict=True)
+                (beyond[under][0] + areas[under], beyond[under][1] + steps[under])
+                for under in children.get(ball, ())
             ]
             beyond[ball] = max(ways, key=_mean, default=(0.0, 0.0))
         return {ball: _mean(value) for ball, value in beyond.items()}
@@ -165,15 +163,6 @@ def cheapest(links: Indices, costs: Floats, count: int, source: int) -> tuple[Fl
     graph = coo_array((costs, (links[:, 0], links[:, 1])), (count, count)).tocsr()
     cost, former = dijkstra(graph, directed=False, indices=source, return_predecessors=True)
     return cost, former
-
-
-def _back(former: Indices, ball: int) -> Indices:
-    """The balls (k,) from one back to where its way begins."""
-    found = [ball]
-    # Ends: the ways of a search have no circles.
-    while former[found[-1]] >= 0:
-        found.append(int(former[found[-1]]))
-    return np.array(found)
 
 
 def _mean(area_and_length: tuple[float, float]) -> float:

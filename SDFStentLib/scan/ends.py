@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import Line, Surface, norm, section_around
+from ..geometry import Line, Surface, norm
 from ..segment import (
     CutPlane,
     PlaneFinder,
@@ -110,7 +110,8 @@ def flat_ends(
     """
     parts = vessel_parts(surface, tree)
     finder = PlaneFinder(parts)
-    planes = [_plane(finder, end) for end in ends]
+    found = [_plane(finder, end) for end in ends]
+    planes = [None if one is None else one.plane for one in found]
     cut = [plane for plane in planes if plane is not None]
     if len(cut) < 2:
         raise InputError(
@@ -118,7 +119,7 @@ def flat_ends(
             f"found {len(cut)}; trim the segment, or label one vessel alone."
         )
     if inlet is None:
-        first = int(np.argmax([_area(surface, plane) for plane in cut]))
+        first = int(np.argmax([one.area for one in found if one is not None]))
     else:
         named_end = _named(ends, planes, inlet)
         first = sum(plane is not None for plane in planes[:named_end])
@@ -147,18 +148,20 @@ def _named(ends: Sequence[RoundEnd], planes: Sequence[CutPlane | None], inlet: P
     return number
 
 
-def _area(surface: Surface, plane: CutPlane) -> float:
-    """Area of the lumen in a plane, mm^2."""
-    section = section_around(surface.points, surface.triangles, plane.origin, plane.normal)
-    return 0.0 if section is None else section.area
+class _FoundPlane(NamedTuple):
+    """A plane that meets one vessel alone."""
+
+    plane: CutPlane
+    area: float
+    """Area of the lumen in it, mm^2."""
 
 
-def _plane(finder: PlaneFinder, end: RoundEnd) -> CutPlane | None:
+def _plane(finder: PlaneFinder, end: RoundEnd) -> _FoundPlane | None:
     """The first plane from an end inward that meets its vessel alone."""
     if end.border is not None:
         at = _crossing(end.line.points, end.border)
-        if not finder.fault(at, end.border.normal):
-            return CutPlane("", at, end.border.normal)
+        if (found := _found(finder, at, end.border.normal)) is not None:
+            return found
         if end.border.beyond(end.line.points[-1]) > 0:
             return None
     line = end.line
@@ -168,9 +171,20 @@ def _plane(finder: PlaneFinder, end: RoundEnd) -> CutPlane | None:
         is_early = tried.along < INSIDE * end.radius
         if end.border is not None:
             is_early = end.border.beyond(tried.place) > 0
-        if not is_early and not finder.fault(tried.place, tried.direction):
-            return CutPlane("", tried.place, tried.direction)
+        if not is_early:
+            found = _found(finder, tried.place, tried.direction)
+            if found is not None:
+                return found
     return None
+
+
+def _found(finder: PlaneFinder, origin: Points, normal: Floats) -> _FoundPlane | None:
+    section = finder.section(origin, normal)
+    return (
+        None
+        if isinstance(section, str)
+        else _FoundPlane(CutPlane("", origin, normal), section.area)
+    )
 
 
 def _crossing(points: Points, border: Border) -> Points:

@@ -13,7 +13,7 @@ from math import prod
 
 import numpy as np
 
-from ..geometry import norm
+from ..geometry import norm, search_tree
 from ..validation import Flags, Floats, Indices
 from .labelmap import Grid, Labelmap
 
@@ -60,9 +60,11 @@ def wall_distance(labelmap: Labelmap, share: float = SHARE) -> Grid:
     wanted = share * _local_radius(-smooth, labelmap, is_near)[is_near]
     level = np.full(distance.shape, np.inf, dtype=np.float32)
     level[is_near] = np.interp(np.log(wanted), np.log(WIDTHS), np.arange(len(WIDTHS)))
+    near, levels = np.flatnonzero(is_near), level[is_near]
     found = np.where(is_near, 0, distance)
     for number, width in enumerate(WIDTHS):
-        for box, inner in _boxes(np.abs(level - number) < 1, _reach(_TAIL * width, per_width)):
+        is_own = _marked(distance.shape, near.compress(np.abs(levels - number) < 1))
+        for box, inner in _boxes(is_own, _reach(_TAIL * width, per_width)):
             own = _filtered(distance[box], width * per_width)[inner]
             found[box][inner] += np.clip(1 - np.abs(level[box][inner] - number), 0, 1) * own
     return found
@@ -71,7 +73,6 @@ def wall_distance(labelmap: Labelmap, share: float = SHARE) -> Grid:
 def _border_distance(labelmap: Labelmap) -> Grid:
     """Distance of every voxel to the nearest one outside, or inside; mm, negative inside."""
     from scipy.ndimage import binary_dilation, distance_transform_edt
-    from scipy.spatial import cKDTree
 
     mask, spacing = labelmap.mask, labelmap.spacing
     nearest = distance_transform_edt(
@@ -88,9 +89,16 @@ def _border_distance(labelmap: Labelmap) -> Grid:
     inside, beside = np.argwhere(mask), np.argwhere(binary_dilation(mask) & ~mask)
     if not len(beside):  # a label that fills its image; SciPy's transform takes that place
         beside = np.array([[-1, 0, 0]])
-    found = cKDTree(beside * spacing).query(inside * spacing)[1]
+    found = search_tree(beside * spacing).query(inside * spacing)[1]
     distance[mask] = -norm((beside[found] - inside) * spacing)
     return distance
+
+
+def _marked(shape: tuple[int, ...], numbers: Indices) -> Flags:
+    """Mask of a grid's shape, set at some places (k,) of it."""
+    mask = np.zeros(shape, dtype=bool)
+    mask.ravel()[numbers] = True
+    return mask
 
 
 def _reach(voxels: float, per_width: Floats) -> Indices:
@@ -175,8 +183,10 @@ def _local_radius(depth: Grid, labelmap: Labelmap, asked: Flags) -> Grid:
     depth = depth / labelmap.voxel
     steps = np.array(WIDTHS) / SHARE
     found = np.full_like(depth, steps[0])
+    inside = np.flatnonzero(depth >= steps[0])
+    depths = depth.ravel()[inside]
     for least, most in zip(steps, [*steps[1:], np.inf], strict=True):
-        is_own = (depth >= least) & (depth < most)
+        is_own = _marked(depth.shape, inside.compress((depths >= least) & (depths < most)))
         reach = np.rint((least + BESIDE) * labelmap.voxel / labelmap.spacing).astype(int)
         for box, _ in _boxes(is_own, reach):
             own = np.where(is_own[box], np.minimum(depth[box], steps[-1]), 0)

@@ -103,6 +103,11 @@ class PlaneFinder:
 
     def fault(self, origin: Points, normal: Floats) -> str:
         """The reason why a plane does not meet one vessel alone; empty where it does."""
+        found = self.section(origin, normal)
+        return found if isinstance(found, str) else ""
+
+    def section(self, origin: Points, normal: Floats) -> SectionAround | str:
+        """The section of a plane with one vessel alone, or the reason why there is none."""
         section = section_around(self.points, self.triangles, origin, normal)
         if section is None:
             return "does not go round its centerline"
@@ -115,7 +120,7 @@ class PlaneFinder:
         if self._is_elsewhere(section, origin):
             return "runs into another vessel"
         fault = "" if self.treated is None else self.treated.fault(origin, normal)
-        return f"{fault} after treatment" if fault else ""
+        return f"{fault} after treatment" if fault else section
 
     def steps(self, line: Line) -> Iterator[TriedPlace]:
         """Places along a line, with the direction of the line there."""
