@@ -256,6 +256,17 @@ def test_a_stent_that_is_long_enough_covers_a_lesion_that_is_narrowest_at_one_en
         assert uncovered_length(lesion, [axis]) == pytest.approx(left, abs=1.6 * (left > 0))
 
 
+def test_an_axis_covers_a_lesion_only_within_its_healthy_lumen(a_vessel):
+    """A stent in a vessel beside it would count as its own up to two diameters away."""
+    (lesion,) = a_vessel.lesions
+    healthy = float(lesion.healthy.max())
+    beside = np.cross(lesion.line.directions[0], [0.3, -0.5, 0.8])
+    beside *= healthy / np.linalg.norm(beside)
+    inside, outside = (Line(lesion.line.points + away * beside) for away in (0.2, 0.9))
+    assert uncovered_length(lesion, [inside]) < 0.3 * lesion.length
+    assert uncovered_length(lesion, [outside]) == pytest.approx(lesion.length)
+
+
 def test_the_rule_names_what_is_rounded_and_what_is_wanted(a_vessel):
     """The numbers that it speaks of are those of the proposal."""
     wished = a_vessel.suggestion(1, SizingWishes(ratio=0.9, margin=2.5))
