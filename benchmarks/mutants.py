@@ -1,14 +1,16 @@
 """Whether the tests notice faults: the library with one place changed, over and over.
 
-pytest -m "not bench" --cov=SDFStentLib --cov-context=test       (pytest-cov; writes .coverage)
-python -m benchmarks.mutants .coverage [--count 40] [--seed 1] [--seconds 300]
-python -m benchmarks.mutants [--count 40] [--first 0] [--seed 1] [--seconds 60]
+pytest -m "not bench" --cov=SDFStentLib --cov-context=test --durations=0 -vv > durations.txt
+python -m benchmarks.mutants .coverage durations.txt [--count 40] [--first 0] [--seed 1]
+                                                     [--seconds 60] [--project PATH]
 
 A mutant has an operator, a comparison, a number or a return changed. It runs in a copy of the tree,
-with the tests that have run its line, beginning with those that run the least of the library; or,
-without a file of coverage, with the files of tests that import its file or its room, one after the
-other, beginning with those that import the least. The same seed takes the same mutants as long as
-their lines stay as they are, whatever else changes; `--first` goes on where a run was ended.
+with the tests that have run its line (pytest-cov wrote which, and pytest how long each took),
+beginning with the shortest, as many as take `--seconds` together. It counts as killed, too, when
+they take the processor more than five times as long and half a minute. So a busy machine decides as
+a quiet one does. The same seed takes the same mutants as long as their lines stay as they are,
+whatever else changes: that of an older checkout is compared by `--project`, mutant by mutant.
+`--first` goes on where a run was ended.
 """
 
 from __future__ import annotations
@@ -18,18 +20,19 @@ import ast
 import copy
 import os
 import re
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
-import time
-from collections import Counter
 from collections.abc import Iterator
-from functools import cache
 from hashlib import sha256
 from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
+
+from coverage import CoverageData
 
 from .sweep import DATA_FOLDER, PROJECT
 
@@ -37,6 +40,8 @@ ROOMS = ("field", "deformation", "certificate", "lumen", "treatment")
 PAIRS = "Add Sub, Mult Div, Lt LtE, Gt GtE, Eq NotEq, And Or"
 TYPES = [[getattr(ast, name) for name in pair.split()] for pair in PAIRS.split(", ")]
 SWAPPED = dict([*TYPES, *(pair[::-1] for pair in TYPES)])
+
+LASTED = re.compile(r"([0-9.]+)s (?:setup|call|teardown) +(\S.*?)\s*$")
 
 
 class Mutant(NamedTuple):
@@ -70,8 +75,8 @@ def changed(node: ast.AST) -> ast.AST | None:
     return made
 
 
-def mutants_of(path: Path) -> Iterator[Mutant]:
-    """All mutants of a file."""
+def mutants_of(path: Path, project: Path) -> Iterator[Mutant]:
+    """All mutants of a file of a checkout."""
     source = path.read_bytes()
     starts = [0, *accumulate(map(len, source.splitlines(keepends=True)))]
     for statement, node in ((x, y) for x in ast.parse(source).body for y in ast.walk(x)):
@@ -80,7 +85,7 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
             first = starts[node.lineno - 1] + node.col_offset
             last = starts[node.end_lineno - 1] + node.end_col_offset
             new = ast.unparse(made) if isinstance(made, ast.Return) else f"({ast.unparse(made)})"
-            name, old = path.relative_to(PROJECT).as_posix(), source[first:last].decode()
+            name, old = path.relative_to(project).as_posix(), source[first:last].decode()
             if new == old:  # nothing is returned already
                 continue
             parts = source[starts[node.lineno - 1] : first], source[last : starts[node.end_lineno]]
@@ -91,8 +96,6 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
 
 def tests_by_line(name: str) -> dict[str, dict[int, set[str]]]:
     """The tests that have run each line, by file of the library."""
-    from coverage import CoverageData  # late: the other way needs none
-
     data = CoverageData(name)
     data.read()
     return {
@@ -104,88 +107,78 @@ def tests_by_line(name: str) -> dict[str, dict[int, set[str]]]:
     }
 
 
-@cache
-def imports_of_tests() -> dict[str, set[str]]:
-    """The modules of the library that every file of tests imports from."""
-    return {
-        path.relative_to(PROJECT).as_posix(): {
-            node.module
-            for node in ast.walk(ast.parse(path.read_bytes()))
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("SDFStentLib.")
-        }
-        for path in sorted((PROJECT / "tests").glob("test_*.py"))
-        if not path.stem.startswith("test_app_")
-    }
+def seconds_by_test(name: str) -> dict[str, float]:
+    """The time that each test took, s, from what pytest printed."""
+    taken: dict[str, float] = {}
+    with open(name, encoding="utf-8") as file:
+        for found in filter(None, map(LASTED.match, file)):
+            taken[found[2]] = taken.get(found[2], 0.0) + float(found[1])
+    return taken
 
 
-def files_of_tests(mutant: Mutant) -> list[str]:
-    """The files of tests that import the file of a mutant, or names from its room.
+def tests_of(mutant: Mutant, lines: dict[int, set[str]]) -> set[str]:
+    """The tests that have run the line of a mutant."""
+    begun = max(line for line in lines if line <= mutant.line)  # an expression may be long
+    there = set().union(*lines.values()) if mutant.is_global else lines[begun]
+    # Those of pages see the library in other processes, which would outlive them.
+    return {name for name in there if "test_app_" not in name}
 
-    Those that import the file itself come first, then those that import from the fewest rooms.
+
+def shortest(names: set[str], taken: dict[str, float], seconds: float) -> list[str]:
+    """The shortest of some tests, those that take so long together; at least one."""
+    ordered = sorted(names, key=lambda name: (taken.get(name, 0.0), name))
+    ends = list(accumulate(taken.get(name, 0.0) for name in ordered))
+    return ordered[: max(1, sum(end <= seconds for end in ends))]
+
+
+def verdict(tree: Path, mutant: Mutant, names: list[str], expected: float) -> str:
+    """The verdict of some tests on a mutant in a copy of the tree, which is restored afterward.
+
+    `expected` is the time that they take without it, s.
     """
-    parts = Path(mutant.path).with_suffix("").parts
-    found = []
-    for name, modules in imports_of_tests().items():
-        rooms = {module.split(".")[1] for module in modules}
-        if parts[1] in rooms:
-            size = (PROJECT / name).stat().st_size
-            found.append((".".join(parts) not in modules, len(rooms), size, name))
-    return [name for *_, name in sorted(found)]
-
-
-def verdict(tree: Path, mutant: Mutant, batches: list[list[str]], seconds: float) -> str:
-    """The verdict of the tests on a mutant in a copy of the tree, which is restored afterward."""
-    place, end = tree / mutant.path, time.monotonic() + seconds
+    place, most = tree / mutant.path, int(30 + 5 * expected)
     source = place.read_bytes()
     place.write_bytes(source[: mutant.first] + mutant.new.encode() + source[mutant.last :])
     given = {**os.environ, "SDFSTENT_DATA": str(DATA_FOLDER), "PYTHONPATH": str(tree)}
     words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
-    words += ["-m", "not bench"]
+    words += ["-m", "not bench", *names]
+    resource.setrlimit(resource.RLIMIT_CPU, (most, resource.RLIM_INFINITY))  # of each child
     try:
-        for some in filter(None, batches):
-            wait = {"timeout": max(end - time.monotonic(), 1), "capture_output": True}
-            done = subprocess.run([*words, *some], cwd=tree, env=given, text=True, **wait)
-            if done.returncode:
-                by = re.search(r"^(?:FAILED|ERROR) (\S+::.+?)(?: - |$)", done.stdout, re.M)
-                return f"killed by {by[1] if by else 'an error at the start'}"
-    except subprocess.TimeoutExpired:
-        return "not killed in time"
+        done = subprocess.run(words, cwd=tree, env=given, text=True, capture_output=True)
     finally:
         place.write_bytes(source)
+    if done.returncode == -signal.SIGXCPU:
+        return "killed by the time that it takes"
+    if done.returncode:
+        by = re.search(r"^(?:FAILED|ERROR) (\S+::.+?)(?: - |$)", done.stdout, re.M)
+        return f"killed by {by[1] if by else 'an error at the start'}"
     return "survived"
-
-
-def by_line(mutant: Mutant, lines: dict[int, set[str]], seen: Counter[str]) -> list[list[str]]:
-    """The tests that have run the line of a mutant: few are found at once."""
-    begun = max(line for line in lines if line <= mutant.line)  # an expression may be long
-    there = set().union(*lines.values()) if mutant.is_global else lines[begun]
-    # Those of pages see the library in other processes, which would outlive them.
-    names = [name for name in there if "test_app_" not in name]
-    names.sort(key=lambda name: (seen[name], name))
-    return [names[:10], names[10:50], names[50:]]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("data", nargs="?", help="what coverage wrote, with its contexts")
-    for name, usual in (("count", 40), ("first", 0), ("seed", 1), ("seconds", 300)):
+    parser.add_argument("coverage", help="what coverage wrote, with its contexts")
+    parser.add_argument("durations", help="what pytest printed")
+    for name, usual in (("count", 40), ("first", 0), ("seed", 1), ("seconds", 60)):
         parser.add_argument(f"--{name}", type=int, default=usual)
+    parser.add_argument("--project", type=Path, default=PROJECT, help="the checkout; usually this")
     chosen = parser.parse_args()
-    tests = tests_by_line(chosen.data) if chosen.data else {}
-    seen = Counter(name for file in tests.values() for line in file.values() for name in line)
-    files = [path for room in ROOMS for path in (PROJECT / "SDFStentLib" / room).rglob("*.py")]
-    found = [mutant for path in sorted(files) for mutant in mutants_of(path)]
+    project = chosen.project.resolve()
+    tests, taken = tests_by_line(chosen.coverage), seconds_by_test(chosen.durations)
+    files = [path for room in ROOMS for path in (project / "SDFStentLib" / room).rglob("*.py")]
+    found = [mutant for path in sorted(files) for mutant in mutants_of(path, project)]
     found.sort(key=lambda one: one.rank(chosen.seed))
     with tempfile.TemporaryDirectory() as folder:
         tree = Path(folder) / "tree"
-        shutil.copytree(PROJECT, tree, ignore=shutil.ignore_patterns(".*", "__pycache__", "build"))
+        shutil.copytree(project, tree, ignore=shutil.ignore_patterns(".*", "__pycache__", "build"))
         for mutant in found[chosen.first : chosen.first + chosen.count]:
-            if tests:
-                batches = by_line(mutant, tests[mutant.path], seen)
-            else:
-                batches = [[name] for name in files_of_tests(mutant)]
-            said = verdict(tree, mutant, batches, chosen.seconds) if any(batches) else "never run"
-            print(f"{mutant.path}:{mutant.line}: {mutant.old!r}, {mutant.new!r}", said, flush=True)
+            there = tests_of(mutant, tests[mutant.path])
+            names = shortest(there, taken, chosen.seconds)
+            expected = sum(taken.get(name, 0.0) for name in names)
+            said = verdict(tree, mutant, names, expected) if names else "never run"
+            whose = f"{len(names)} of {len(there)} tests"
+            print(f"{mutant.path}:{mutant.line}: {mutant.old!r}, {mutant.new!r}", end=" ")
+            print(f"{said} ({whose})", flush=True)
     return 0
 
 
