@@ -5,7 +5,7 @@ import pytest
 from seeds import seeds
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.geometry import Line
+from SDFStentLib.geometry import Line, nearest_distances
 from SDFStentLib.validation import InputError
 
 Piece = tuple[np.ndarray, np.ndarray]
@@ -192,3 +192,19 @@ def test_limbs_that_meet_again_are_a_loop_that_is_opened_where_they_meet():
     np.testing.assert_allclose(moved.points[moved.loops], tree.points[tree.loops], atol=2.5)
     with pytest.raises(InputError, match="expected pairs of point indices from 0 to 1"):
         Centerline(np.eye(2, 3), np.ones(2), np.array([-1, 0]), np.array([[0, 2]]))
+
+
+@pytest.mark.parametrize("degrees", [120, 165, 170, 175, 180, 183, 188, 195])
+def test_a_loop_is_opened_wherever_an_outlet_lies_on_it(degrees):
+    """The step that shortest ways leave out may lie within the sphere of a junction."""
+    turn = np.radians(np.arange(0, 361, 2))
+    ring = 15 * np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    at = round(degrees / 2)
+    ways = [ring[: at + 1], ring[at:]]
+    pieces = [(way, np.full(len(way), 2.5)) for way in ways]
+    pieces += [piece(ring[0], 2.5 * ring[0], 2.5, 2.5), piece(ring[at], 2.5 * ring[at], 2.5, 2.5)]
+    tree = tree_of(pieces, inlet=2.5 * ring[0])
+    ((last, met),) = tree.loops
+    assert len(tree.leaves) == 2
+    np.testing.assert_allclose(np.linalg.norm(tree.points[last] - tree.points[met]), 0.5, atol=0.1)
+    assert nearest_distances(ring, tree.points).max() < 0.1

@@ -217,7 +217,8 @@ def _without_spurs(graph: LineGraph, parent: Indices, tips: Points, is_inlet: Fl
     """Whether each node stays; dead ends made by opening a loop or by merging lines do not.
 
     They go when they end within their junction's sphere, or at the inlet, where a cap leaves no
-    sphere, or run all along beside another line, which then stands for their lumen.
+    sphere, or run all along beside another line, which then stands for their lumen. What is left
+    of one limb of a loop stays for the other one's sake, however short it is.
     """
     kept = np.ones(len(parent), dtype=bool)
     child_count = np.bincount(parent[parent >= 0], minlength=len(parent))
@@ -226,10 +227,13 @@ def _without_spurs(graph: LineGraph, parent: Indices, tips: Points, is_inlet: Fl
     above_of = parent.tolist()
     dead_ends = np.flatnonzero(child_count == 0)
     is_meant = ends_at(graph, dead_ends, tips) > 0
-    spurs = dead_ends[(graph.degrees()[dead_ends] > 1) | ~is_meant].tolist()
+    # Those where a step was left out come last: how long they are shows without the others.
+    is_limb = graph.degrees()[dead_ends] > 1
+    spurs = [*dead_ends[is_limb].tolist(), *dead_ends[~is_limb & ~is_meant].tolist()]
     if not spurs:
         return kept
     everywhere = search_tree(graph.points)
+    limbs: set[int] = set()
     # Ends: a node comes in when it loses its last child, once.
     while spurs:
         spur, size = [spurs.pop()], 0.0
@@ -245,11 +249,27 @@ def _without_spurs(graph: LineGraph, parent: Indices, tips: Points, is_inlet: Fl
             near = everywhere.query_ball_point(graph.points[own], reach[own])
             if not all(kept[one].any() for one in near):
                 kept[own] = True
+                limbs.add(own[0])
                 continue
         child_count[junction] -= 1
         if child_count[junction] == 0:
             spurs.append(junction)
+    one, other = graph.edges.T
+    is_left_out = (parent[one] != other) & (parent[other] != one)
+    for step in graph.edges[is_left_out & ~(kept[one] & kept[other])].tolist():
+        ways = [_up_to_kept(above_of, kept, node) for node in step]
+        if any(way[-1] in limbs for way in ways):
+            kept[np.concatenate(ways)] = True
     return kept
+
+
+def _up_to_kept(above_of: list[int], kept: Flags, node: int) -> list[int]:
+    """The nodes from a given one up to the first that stays, both included."""
+    way = [node]
+    # Ends: the root stays.
+    while not kept[way[-1]]:
+        way.append(above_of[way[-1]])
+    return way
 
 
 def _thinned(graph: LineGraph, line_ends: Indices) -> tuple[LineGraph, Indices]:
