@@ -17,7 +17,7 @@ from benchmarks.phantoms import (
     vascular_tree,
 )
 from SDFStentLib import extract_centerline
-from SDFStentLib.centerline import inner_balls
+from SDFStentLib.centerline import InnerBalls, WidestWays, inner_balls
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Surface, SurfaceIndex, distances_to_segments, norm
@@ -213,11 +213,31 @@ def test_every_round_end_of_many_random_trees_has_its_line(seed):
     assert all(norm(found - middle).min() < radius for middle, radius in ends)
 
 
+def a_loop(at):
+    """Ring from which stems lead away on its right side and at another place (2,)."""
+    stems = chain([(15, 0, 0), (35, 0, 0)], 3) + chain([(*at, 0), (2.5 * at[0], 2.5 * at[1], 0)], 3)
+    return contoured(chain(circle(15), 2.5) + stems, 0.6)
+
+
+@pytest.mark.parametrize("at", [(-15, 0), (0, 15)], ids=["even", "uneven"])
+def test_limbs_meet_at_the_same_place_however_balls_and_links_are_numbered(at):
+    balls = inner_balls(a_loop(at))
+    inlet = norm(balls.centers - [33.0, 0, 0]).argmin()
+    (wanted,) = balls.centers[WidestWays(balls, inlet).meetings()]
+    for seed in range(3):
+        random = np.random.default_rng(seed)
+        order = random.permutation(len(balls.radii))
+        number = np.argsort(order)
+        links = random.permutation(random.permuted(number[balls.links], axis=1))
+        other = InnerBalls(balls.centers[order], balls.radii[order], links)
+        (met,) = other.centers[WidestWays(other, number[inlet]).meetings()]
+        np.testing.assert_array_equal(met, wanted)
+
+
 @pytest.mark.parametrize("at", [(-15, 0), (0, 15)], ids=["even", "uneven"])
 def test_both_limbs_of_a_loop_have_lines_and_it_is_said(at):
-    stems = chain([(15, 0, 0), (35, 0, 0)], 3) + chain([(*at, 0), (2.5 * at[0], 2.5 * at[1], 0)], 3)
-    surface = contoured(chain(circle(15), 2.5) + stems, 0.6)
-    found = extract_centerline(surface)
+    found = extract_centerline(a_loop(at))
+    assert len(found.centerline.loops) == 1
     (caution,) = found.warnings
     assert "Limbs that meet again: 1, one near (" in caution.sentence()
     # Nowhere on the ring is the next line farther than some steps along it.

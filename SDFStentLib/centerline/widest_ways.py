@@ -123,7 +123,9 @@ def limbs_met(balls: InnerBalls, former: Indices) -> Indices:
     Returns
     -------
     (j, 2) array
-        At every place where they do two neighbors whose ways come from different limbs.
+        At every place where they do two neighbors whose ways come from different limbs, the wider
+        one first. Of all that do there, these have the widest ball on their ways, then the widest
+        neck between them. What is equal goes by position, as numbers of balls say nothing.
     """
     centers, radii, links = balls
     own = np.arange(len(radii))
@@ -145,8 +147,14 @@ def limbs_met(balls: InnerBalls, former: Indices) -> Indices:
     before = onward[before]
     one, other = before[links].T
     met = links[norm(centers[one] - centers[other]) > BACK * widest[links].max(axis=1)]
+    some = np.unique(met)
+    some = some[np.lexsort((*centers[some].T, radii[some]))[::-1]]
+    rank = np.empty_like(own)
+    rank[some] = np.arange(len(some))
+    met = some[np.sort(rank[met], axis=1)]
+    first, second = rank[met].T
     found: list[Indices] = []
-    for pair in met[np.argsort(-widest[met].max(axis=1), kind="stable")]:
+    for pair in met[np.lexsort((first, second, -widest[met].max(axis=1)))]:
         reach = BACK * widest[pair].max()
         if all(norm(centers[one] - centers[pair]).max() > reach for one in found):
             found.append(pair)
