@@ -19,6 +19,10 @@ SHAKEN = 1e-3
 """Share of the median edge by which every point is moved: many points of a wall as regular as that
 of a synthetic tube lie on one sphere, which leaves the triangulation open."""
 
+QHULL = "Qbb Qc Qz Q12 Q7"
+"""Options of Qhull (qhull.org/html/qh-optq.htm): those of SciPy, and Q7, facets depth first instead
+of breadth first. That takes a fifth less time for the points of a wall, by measurement."""
+
 
 class InnerBalls(NamedTuple):
     """Balls inside of a surface, and which of them are neighbors."""
@@ -53,7 +57,7 @@ def inner_balls(surface: Surface) -> InnerBalls:
     reach = SHAKEN * median_edge(surface.points, triangles)
     shift = np.random.default_rng(0).uniform(-reach, reach, surface.points.shape)
     points = surface.points + shift
-    found = Delaunay(points)
+    found = Delaunay(points, qhull_options=QHULL)
     corners = found.simplices.astype(np.int64)
     centers, radii = _balls(points, corners)
     is_inside = np.isfinite(radii)
