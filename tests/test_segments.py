@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy
 from scipy.spatial import cKDTree
+from test_own_lines import a_loop
 from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
 from vtkmodules.vtkFiltersCore import vtkConnectivityFilter, vtkMassProperties, vtkTriangleFilter
 from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
@@ -20,6 +21,7 @@ from benchmarks.phantoms import (
     tube_with_neighbor,
     vascular_tree,
 )
+from SDFStentLib import extract_centerline
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.certificate import check_surface
 from SDFStentLib.deformation import DeploymentSettings
@@ -236,6 +238,15 @@ def test_an_open_end_within_the_segment_is_closed_flat():
     whole = segment_of(vessel_of(phantom), 0.1, 0.9)
     assert_closed_by_its_planes(found)
     assert found.before.volume == pytest.approx(whole.before.volume, rel=1e-9)
+
+
+def test_where_limbs_of_a_loop_meet_is_no_dead_end():
+    """The limb that ends at its last point was told to be cut flat."""
+    surface = a_loop((-15, 0))
+    tree = extract_centerline(surface).centerline
+    assert len(tree.loops) == 1
+    ends = np.array([[28.0, 0, 0], [-30.0, 0, 0]])
+    assert not extract_segment(Vessel(surface, tree), *ends).warnings
 
 
 def test_a_branch_with_a_round_end_is_named(data_dir):
