@@ -14,6 +14,7 @@ from .lumen_tree import LumenTree as LumenTree
 from .path import CenterlinePath as CenterlinePath
 from .path import JunctionChoice as JunctionChoice
 from .path import Location as Location
+from .point_tree import distal_ends as distal_ends
 from .point_tree import points_between as points_between
 from .root import WIDER as WIDER
 from .root import Widths as Widths

@@ -90,6 +90,18 @@ def as_loops(values: ArrayLike, count: int) -> Indices:
     return loops.astype(np.int64)
 
 
+def distal_ends(parent: Indices, loops: Indices) -> Indices:
+    """Points (k,) at which vessels of a tree end: no child, and no other limb of a loop met there.
+
+    Parameters
+    ----------
+    parent : (n,) array
+    loops : (j, 2) array
+        Of `Centerline` both.
+    """
+    return np.setdiff1d(np.arange(len(parent)), np.r_[parent, loops[:, 0]])
+
+
 def sums_to_root(parent: Indices, values: Floats) -> Floats:
     """Sums (n,) of the values from the root down to each point, both included."""
     sums, above = values.copy(), parent.copy()

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import Centerline
+from ..centerline import Centerline, distal_ends
 from ..validation import InputError, Points
 from ..vessel import BESIDE_TIP
 from .channels import Channel
@@ -91,8 +91,8 @@ def end_names(tree: Centerline, ends: Ends) -> tuple[tuple[str, ...], ...]:
 
     As reports have it, as the user has, and by number and face.
     """
-    leaves = {*tree.leaves.tolist()} - {*tree.loops[:, 0].tolist()}
-    tips = [0, *(k for k, nodes in enumerate(tree.branches) if int(nodes[-1]) in leaves)]
+    outlets = {*distal_ends(tree.parent, tree.loops).tolist()}
+    tips = [0, *(k for k, nodes in enumerate(tree.branches) if int(nodes[-1]) in outlets)]
     names = {node: _names(branch, ends) for node, branch in enumerate(tips)}
     own = (
         tuple(dict.fromkeys(name for name in some if _found(name, names) == [node]))

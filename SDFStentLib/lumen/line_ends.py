@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cautions import Caution
-from ..centerline import USUAL, WIDER, Centerline, station_spacing
+from ..centerline import USUAL, WIDER, Centerline, distal_ends, station_spacing
 from ..geometry import Line, Surface, SurfaceIndex, faces_at, norm
 from ..validation import Flags, Floats, Points
 from .caps import RIM, in_caps
@@ -153,9 +153,8 @@ def with_ends_in_middle(
     From an end that lies at the wall up to where its line reaches the middle, points are put on the
     straight way on which the middle goes on from there, at the same steps.
     """
-    ends = np.setdiff1d(tree.leaves, tree.loops[:, 0])
     last = {int(branch[-1]): branch[::-1] for branch in tree.branches}
-    ways = [last[end] for end in ends.tolist()]
+    ways = [last[end] for end in distal_ends(tree.parent, tree.loops).tolist()]
     ways += [branch for branch in tree.branches if tree.parent[branch[0]] < 0]
     known = LineEnds(surface)
     ways = [way for way in ways if np.ptp(tree.arc_length[way]) > 0]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import Centerline
+from ..centerline import Centerline, distal_ends
 from ..geometry import Line, Surface, norm
 from ..segment import (
     CutPlane,
@@ -75,8 +75,7 @@ class FlatEnds(NamedTuple):
 
 def round_ends_of(tree: Centerline, borders: Sequence[Border]) -> list[RoundEnd]:
     """The ends of a tree, its root first."""
-    meetings = set(tree.loops[:, 0].tolist())
-    tips = [*tree.roots.tolist(), *(leaf for leaf in tree.leaves.tolist() if leaf not in meetings)]
+    tips = [*tree.roots.tolist(), *distal_ends(tree.parent, tree.loops).tolist()]
     branches = {int(branch[k]): (branch, k) for branch in tree.branches for k in (0, -1)}
     found = []
     for tip in tips:
@@ -180,11 +179,9 @@ def _plane(finder: PlaneFinder, end: RoundEnd) -> _FoundPlane | None:
 
 def _found(finder: PlaneFinder, origin: Points, normal: Floats) -> _FoundPlane | None:
     section = finder.section(origin, normal)
-    return (
-        None
-        if isinstance(section, str)
-        else _FoundPlane(CutPlane("", origin, normal), section.area)
-    )
+    if isinstance(section, str):
+        return None
+    return _FoundPlane(CutPlane("", origin, normal), section.area)
 
 
 def _crossing(points: Points, border: Border) -> Points:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cautions import Caution
+from ..centerline import distal_ends
 from ..certificate import check_surface
 from ..geometry import Surface
 from ..segment import (
@@ -181,7 +182,7 @@ def _dead_ends(segment: Segment, parts: VesselParts) -> Iterator[Caution]:
     An opening is that of the branch whose centerline ends nearest to it, which may be before it.
     """
     tree = parts.tree
-    tips = np.r_[np.setdiff1d(tree.leaves, tree.loops[:, 0]), tree.roots]
+    tips = np.r_[distal_ends(tree.parent, tree.loops), tree.roots]
     away = np.linalg.norm(parts.openings[:, None] - tree.points[tips], axis=2)
     for tip in np.setdiff1d(tips, tips[np.argmin(away, axis=1)]):
         beside = tree.points[tree.neighbors.of(tip)[0]]

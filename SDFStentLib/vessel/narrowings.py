@@ -183,11 +183,10 @@ def _reference(
         # What is narrower than the vessel that it feeds may be a throat at the ostium.
         least = max(least, narrow + REGAINED * (after.diameter - narrow))
     before = None if is_one_sided else _healthy(caliber, at, -1, least, own[0])
-    if is_ostial and before is None:
-        # What is wider again toward the ostium is its funnel only.
-        beyond = widest if is_one_sided else _widest(caliber, at, 1)
-        if narrow > (1 - SMALLEST_ONE_SIDED + eased) * beyond:
-            return _alone(run, narrow, eased)
+    # What is wider again toward the ostium is its funnel only.
+    is_funnel = is_ostial and not is_one_sided and before is None
+    if is_funnel and narrow > (1 - SMALLEST_ONE_SIDED + eased) * _widest(caliber, at, 1):
+        return _alone(run, narrow, eased)
     if before is not None and after is not None and before.arc_length < begins:
         # So far beyond a junction the caliber is that of other vessels.
         is_local = caliber.along[at] - before.arc_length <= LOCAL * after.diameter

@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from ..centerline import Centerline, Location, points_between
+from ..centerline import Centerline, Location, distal_ends, points_between
 from ..geometry import Line, norm
 from ..lumen import FINEST
 from ..validation import Floats, Indices
@@ -48,8 +48,7 @@ def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
 
 def outlets_of(tree: Centerline) -> Indices:
     """Number (n,) of the vessel's ends that a tree's points lead to; limbs where they meet it."""
-    ends = np.setdiff1d(tree.leaves, tree.loops[:, 0])
-    ways = [tree.ancestry(int(leaf)) for leaf in ends]
+    ways = [tree.ancestry(end) for end in distal_ends(tree.parent, tree.loops).tolist()]
     found: Indices = np.bincount(np.concatenate(ways), minlength=len(tree.points))
     for leaf, meeting in tree.loops.tolist():
         way = tree.ancestry(leaf)
