@@ -12,15 +12,19 @@ from trees import unbranched, with_radius
 
 from benchmarks.phantoms.axis import planar_axis
 from benchmarks.phantoms.mesh import swept_tube
+from benchmarks.trees.surface import Wall
+from benchmarks.trees.truth import Spheres
 from SDFStentLib.centerline import USUAL, Centerline, LumenStretch
 from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import flat_caps, inscribed_spheres
+from SDFStentLib.plan import read_input_files
+from SDFStentLib.report.lesions import lesion_facts, treated_lesion_facts
 from SDFStentLib.stent import AtCenter, Stent, StentAxis
-from SDFStentLib.treatment import PlacedStent, residual_of, treated_lesions
+from SDFStentLib.treatment import PlacedStent, TreatedLesion, residual_of, treated_lesions
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import find_lesions, lesion_against, lesions_within
+from SDFStentLib.vessel import find_lesions, lesion_after, lesion_against, lesions_within
 from SDFStentLib.vessel.found_narrowings import found_narrowings
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
 from SDFStentLib.vessel.lesions import _each_once
@@ -271,7 +275,10 @@ def test_the_ostium_of_a_branch_within_its_parent_s_narrowing_is_the_same_lesion
     beyond = np.arange(0, 25.1, 0.5)
     child = leaving(caliber - (caliber - ostium) * np.clip(1 - beyond / 4, 0, 1), 29.0)
     assert len(narrowings(child)) == 1
-    assert [one.vessel for one in found_narrowings([parent, child], [0, 1])] == vessels
+    found = found_narrowings([parent, child], [0, 1])
+    assert [one.vessel for one in found] == vessels
+    # That it is narrowed, too, is known.
+    assert [limb.vessel for one in found for limb in one.limbs] == [1]
 
 
 def test_a_narrowing_is_told_though_a_branch_as_wide_leaves_its_throat_still_narrower():
@@ -294,7 +301,8 @@ def test_what_is_over_where_the_vessel_goes_on_in_a_branch_is_told_there_if_that
     beyond = np.arange(0, 25.1, 0.5)
     child = leaving(np.interp(beyond, [0, 1, 4], [2.4, 2.4, 4.7]), 31.5)
     runs = [parent, child._replace(caliber=4.7, beside=(5.0,))]
-    assert [one.vessel for one in found_narrowings(runs, [0, 1])] == [1]
+    (found,) = found_narrowings(runs, [0, 1])
+    assert (found.vessel, [limb.vessel for limb in found.limbs]) == (1, [0])
     # A branch that is much narrower is another vessel.
     aside = child._replace(line=Line(child.points + np.array([2.5, 0.0, 0.0])), caliber=3.0)
     assert [one.vessel for one in found_narrowings([parent, aside], [0, 1])] == [0, 1]
@@ -810,3 +818,32 @@ def test_a_narrowing_without_healthy_vessel_in_reach_is_told_with_its_narrowest_
     assert one.sides == (None, None)
     assert one.healthy == pytest.approx(asked)
     assert one.narrow.degree == pytest.approx(1 - throat.min() / asked)
+
+
+def test_the_branch_that_begins_in_a_patient_s_throat_is_told_as_an_independent_search_finds_it(
+    data_dir,
+):
+    """Of the left artery's bifurcation only the artery was told: its branch, too, is narrowed."""
+    names = [str(data_dir / f"su0243_{name}_mm.vtp") for name in ("surface", "centerline")]
+    vessel = read_input_files(*names).vessel
+    surface, lesion = vessel.surface, vessel.lesions[0]
+    (limb,) = lesion.limbs
+    wall = Wall(surface.points, surface.triangles, np.ones(1, dtype=int))
+    spheres = Spheres(wall, limb.line.points, 15.0)
+    near = np.abs(limb.line.arc_lengths - (limb.arc_length - limb.start)) < 3.0
+    near &= np.isfinite(limb.diameters)
+    columns = (limb.line.points[near], limb.line.directions[near], limb.diameters[near])
+    found = [spheres.across(at, way, 0.6 * wide)[1] for at, way, wide in zip(*columns, strict=True)]
+    assert limb.minimum_diameter == pytest.approx(2 * min(found), rel=0.03)
+    share = limb.minimum_diameter / limb.reference_diameter
+    assert limb.percent_diameter == pytest.approx(100 * (1 - share))
+    words = f"In its throat, {limb.branch_name}: 43 % ("
+    assert words in lesion_facts(1, lesion).sentences[0]
+    # After treatment it is measured anew.
+    middle = np.array(limb.point)
+    grown = Surface(middle + 1.1 * (surface.points - middle), surface.triangles)
+    after = lesion_after(lesion, grown)
+    assert after.limbs[0].minimum_diameter == pytest.approx(1.1 * limb.minimum_diameter, rel=0.01)
+    facts = treated_lesion_facts(TreatedLesion(1, lesion, after, (1,)))
+    assert f"{limb.branch_name}: 43 % (2.07 of 3.65 mm) -> 38 % (2.2" in facts.named("_left").words
+    assert facts.as_dict()["after"]["limbs"][0]["percent_diameter"] < 40

@@ -1,6 +1,7 @@
 """The bench of trees: its truth where that is known by calculation, and its verdicts."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from benchmarks.trees import treated
 from benchmarks.trees.case import TreeCase, save
 from benchmarks.trees.hourglass import _is_one_vessel
 from benchmarks.trees.hourglass import narrowed as hourglass_narrowed
-from benchmarks.trees.judge import Reported, _off, judged
+from benchmarks.trees.judge import AS_LIMB, Reported, _off, judged
 from benchmarks.trees.layout import VesselTree
 from benchmarks.trees.narrowing import HOURGLASS, MadeNarrowing, narrowed, narrowings
 from benchmarks.trees.surface import Wall, rims_of, wall_of
@@ -253,6 +254,26 @@ def test_verdicts(halved, lesions, words):
     (verdict,), invented = judged(*after, found, given)
     assert verdict.words == words
     assert len(invented) == sum(at == 50.0 for at, _, _ in lesions)
+
+
+@pytest.mark.parametrize(
+    ("lesions", "limbs", "words"),
+    [
+        ([], [(31.0, 3.0, 50.0)], AS_LIMB),
+        ([], [(31.0, 3.2, 50.0)], f"minimum, {AS_LIMB}"),
+        ([], [(31.0, 3.0, 56.0)], "missed"),
+        ([], [(31.0, 3.0, 50.0), (31.5, 3.0, 50.0)], "missed"),
+        ([(31.0, 3.0, 56.0)], [(31.0, 3.0, 50.0)], AS_LIMB),
+        ([(31.0, 3.0, 50.0)], [(31.0, 3.0, 56.0)], "as it is"),
+    ],
+)
+def test_a_narrowing_that_is_told_as_a_limb_counts_by_itself(halved, lesions, limbs, words):
+    after, found = halved
+    given = [told(at * WAY, minimum, percent) for at, minimum, percent in lesions]
+    mine = tuple(told(at * WAY, minimum, percent) for at, minimum, percent in limbs)
+    other = replace(told(np.array([0.0, 99.0, 0.0]), 2.0, 50.0), limbs=mine)
+    (verdict,), _ = judged(*after, found, [*given, other])
+    assert (verdict.words, verdict.is_right) == (words, words == "as it is")
 
 
 def test_a_treatment_is_judged_by_what_is_left_in_the_surface(halved, tmp_path):

@@ -55,6 +55,7 @@ def treated_lesion_facts(treated: TreatedLesion, units: str = "mm") -> Facts:
             Fact("after.minimum.area_mm2", after=after.minimum_area),
             Fact("after.percent_diameter", "after", after=after.percent_diameter, words=degree),
             Fact("after.percent_area", after=after.percent_area),
+            Fact("after.limbs", after=[_limb(one) for one in after.limbs]),
             Fact("stents", "stent", after=stents, words=", ".join(map(str, stents)) or "none"),
             Fact("is_left_beyond", after=treated.is_left_beyond),
             degree_fact(treated),
@@ -116,10 +117,38 @@ def _facts(number: int, one: Lesion, units: str) -> Iterator[Fact]:
         f"Lesion {number}: {degrees_text(one.percent_diameter, one.percent_area)}; "
         f"{one.branch_name}, {one.arc_length:.1f} mm from the proximal end, at "
         f"{coordinates(place / MILLIMETERS[units])} {units}; {one.length:.1f} mm long; minimum "
-        f"{minimum:.2f} mm against {reference:.2f} mm."
-    )
+        f"{minimum:.2f} mm against {reference:.2f} mm. {_limb_words(one)}"
+    ).rstrip()
     yield Fact("_whole", words=words, level=LINES)
     yield Fact("_reference", words=f"Reference: {one.reference}.", level=LINES)
+    yield Fact("limbs", after=[_limb(limb) for limb in one.limbs])
+    yield Fact("_limbs", words=_limb_words(one))
+
+
+def _limb(limb: Lesion) -> dict[str, Any]:
+    """A narrowing of another vessel in the same throat, for a document."""
+    return {
+        "branch": limb.branch + 1,
+        "branch_name": limb.branch_name,
+        "place_mm": limb.point,
+        "minimum_mm": limb.minimum_diameter,
+        "reference_mm": limb.reference_diameter,
+        "percent_diameter": limb.percent_diameter,
+    }
+
+
+def _limb_words(one: Lesion, after: Lesion | None = None) -> str:
+    """A sentence on each limb of a lesion, before and after treatment."""
+    return " ".join(
+        f"In its throat, {was.branch_name}: "
+        f"{' -> '.join(dict.fromkeys((_limb_degree(was), _limb_degree(left))))}."
+        for was, left in zip(one.limbs, (after or one).limbs, strict=True)
+    )
+
+
+def _limb_degree(limb: Lesion) -> str:
+    sizes = f"{limb.minimum_diameter:.2f} of {millimeters(limb.reference_diameter)}"
+    return degree_text(limb.percent_diameter, sizes)
 
 
 def _healthy(place: HealthyPlace | None) -> dict[str, Any] | None:
@@ -218,7 +247,9 @@ def _left_note(treated: TreatedLesion) -> str:
     """Further sentence on the rest of a covered lesion, after a full stop; empty without one."""
     if math.isnan(treated.after.percent_diameter):
         return f" What is left of it is {UNKNOWN}: {LINE_LOST}."
-    return LEFT_BEYOND if treated.is_left_beyond and treated.stents else ""
+    beyond = LEFT_BEYOND if treated.is_left_beyond and treated.stents else ""
+    limbs = _limb_words(treated.before, treated.after) if treated.stents else ""
+    return f"{beyond} {limbs}".rstrip()
 
 
 def degree_change(treated: TreatedLesion) -> str:
@@ -249,7 +280,9 @@ def lesion_table(lesions: Sequence[Facts] | None) -> list[str]:
         return [title, paragraph(NO_LESION)]
     numbers = ("length", "minimum diameter", "reference diameter", "diameter stenosis before")
     looks = {"narrowest at (x, y, z)": "place", "after": "n degree", **dict.fromkeys(numbers, "n")}
-    return [title, facts_table(lesions, looks)]
+    limbs = [(one.named("number").words, one.named("_limbs").words) for one in lesions]
+    said = [paragraph(f"Lesion {number}: {words}", "small") for number, words in limbs if words]
+    return [title, facts_table(lesions, looks), *said]
 
 
 def lesions_csv(lesions: Sequence[Lesion], units: str = "mm") -> str:

@@ -9,9 +9,9 @@ At a fork several vessels share a throat, which is that of the one from which th
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
@@ -87,6 +87,8 @@ class FoundNarrowing:
     vessel: int
     way: VesselWay
     narrow: Narrowing
+    limbs: tuple[FoundNarrowing, ...] = ()
+    """Narrowings of other vessels in the same throat."""
 
     @property
     def run(self) -> VesselRun:
@@ -152,9 +154,9 @@ class FoundNarrowing:
 def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[FoundNarrowing]:
     """The narrowings of some vessels, each once.
 
-    What is narrowest in the lumen of a vessel's own one is that: a vessel comes before branches,
-    which begin in its wall. Where its throat goes on in one branch, and is tighter there, that is
-    told; one from which several go on is its own.
+    What is narrowest in the lumen of a vessel's own one is a limb of that: a vessel comes before
+    branches, which begin in its wall. Where its throat goes on in one branch, and is tighter there,
+    it is a limb of that one; one from which several go on is its own.
     """
     ways = vessel_ways(runs)
     every = [
@@ -164,7 +166,18 @@ def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[Fo
     ]
     going_on = Counter(id(above) for one, above in product(every, every) if one.continues(above))
     kept: list[FoundNarrowing] = []
+    throats: dict[int, FoundNarrowing] = {}
     for one in sorted(every, key=lambda one: (one.way.rank, -one.narrow.degree)):
-        if going_on[id(one)] != 1 and not any(other.holds(one) for other in kept):
+        onward = (other for other in every if going_on[id(one)] == 1 and other.continues(one))
+        throat = next(onward, None) or next((other for other in kept if other.holds(one)), None)
+        if throat is None:
             kept.append(one)
-    return kept
+        else:
+            throats[id(one)] = throat
+    limbs = defaultdict(list)
+    for one in every:
+        throat = throats.get(id(one))
+        throat = throats.get(id(throat), throat)
+        if throat is not None and throat.vessel != one.vessel:
+            limbs[id(throat)].append(one)
+    return [replace(one, limbs=tuple(limbs[id(one)])) for one in kept]

@@ -68,6 +68,23 @@ def lesions_after(
     list of Lesion
         Minima and percentages are NaN where a wall was moved past a lesion's line.
     """
+    limbs = [limb for one in lesions for limb in one.limbs]
+    every = _after([*lesions, *limbs], surface, moved)
+    return with_limbs(every, [len(one.limbs) for one in lesions])
+
+
+def with_limbs(every: Sequence[Lesion], counts: Sequence[int]) -> list[Lesion]:
+    """Lesions with so many limbs each; these stand behind all of them, in order."""
+    ends = np.cumsum([len(counts), *counts]).tolist()
+    found = []
+    for one, first, last in zip(every, ends, ends[1:], strict=False):
+        limbs = tuple(every[first:last])
+        found.append(one if one.limbs == limbs else replace(one, limbs=limbs))
+    return found
+
+
+def _after(lesions: Sequence[Lesion], surface: Surface, moved: MovedWall | None) -> list[Lesion]:
+    """`lesions_after` without regard to limbs."""
     changed = {
         number: which
         for number, lesion in enumerate(lesions)

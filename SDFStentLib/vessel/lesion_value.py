@@ -75,6 +75,8 @@ class Lesion:
     """Index of its vessel among those of the tree, from the root on."""
     generation: int = 0
     """Number of vessels between that and the root."""
+    limbs: tuple[Lesion, ...] = ()
+    """Narrowings of other vessels in the same throat, as at a bifurcation."""
 
     def __post_init__(self) -> None:
         for name in ("healthy", "diameters"):

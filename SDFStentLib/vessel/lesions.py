@@ -28,7 +28,7 @@ from .branch_lumen import tree_lumen
 from .branch_names import named_branches, size_words
 from .caliber import healthy_caliber
 from .found_narrowings import FoundNarrowing, found_narrowings, measured_runs
-from .lesion_measuring import lesions_after, measured
+from .lesion_measuring import lesions_after, measured, with_limbs
 from .lesion_sections import healthy_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import SMALLEST_DEGREE, Plateau
@@ -80,8 +80,9 @@ def find_lesions(
     named = named_branches(surface, centerline, faces, given)
     main = [is_main(run, runs) for run in runs]
     starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
+    every = [*found, *(limb for one in found for limb in one.limbs)]
     lesions = []
-    for one, healthy in zip(found, _healthy_places(surface, found), strict=True):
+    for one, healthy in zip(every, _healthy_places(surface, every), strict=True):
         otherwise = vessel_name(runs[one.vessel], main[one.vessel])
         names = [name or otherwise for name in named]
         lesions.append(_begun(one, healthy, names, starts, surface))
@@ -92,18 +93,23 @@ def find_lesions(
 
     least = 100 * SMALLEST_DEGREE
     wall = tree_lumen(surface, centerline).spheres.surface
-    told = [one for one in measured(lesions, surface, wall) if not one.percent_diameter < least]
+    told = []
+    for lesion in with_limbs(measured(lesions, surface, wall), [len(one.limbs) for one in found]):
+        limbs = [limb for limb in lesion.limbs if limb.percent_diameter >= least]
+        told.append(replace(lesion, limbs=tuple(_each_once(limbs, [lesion]))))
+    told = [one for one in told if not one.percent_diameter < least]
     return tuple(sorted(_each_once(told), key=rank))
 
 
-def _each_once(lesions: Sequence[Lesion]) -> list[Lesion]:
-    """The lesions without those of branches whose narrowest sphere is that of their vessel."""
-    kept: list[Lesion] = []
+def _each_once(lesions: Sequence[Lesion], known: Sequence[Lesion] = ()) -> list[Lesion]:
+    """The lesions without those of branches whose narrowest sphere is that of their vessel, or of
+    a known one."""
+    kept = [*known]
     for one in sorted(lesions, key=lambda one: (one.generation, -one.percent_diameter)):
         away = [np.linalg.norm(np.subtract(one.point, other.point)) for other in kept]
         if not any(way < other.minimum_diameter / 2 for way, other in zip(away, kept, strict=True)):
             kept.append(one)
-    return kept
+    return kept[len(known) :]
 
 
 def vessel_name(run: VesselRun, is_main: bool) -> str:

@@ -6,7 +6,8 @@ python -m benchmarks.trees [--making NAME ...] [--count 25] [--first 0] [--seed 
 
 A tree has up to four narrowings, every tenth none. One is reported as it is if once, its place
 within 3 mm, its minimum within 3 %, its percent by diameter within 5 points or between the percents
-of its two sides. There are three makings (`bench.MAKINGS`), of which the worst is the figure, and
+of its two sides; one so told as a limb of the lesion in whose throat it is, at a fork, counts by
+itself. There are three makings (`bench.MAKINGS`), of which the worst is the figure, and
 the seed is drawn anew where none is given: nothing can be fitted to them. Every tree is made anew
 unless --cases names a folder that --save filled. With --treat each narrowing is treated, and the
 report of the result is judged. `truth.py` says how the truth is measured.

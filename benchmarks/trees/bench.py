@@ -12,7 +12,7 @@ import numpy as np
 from ..common import Found, markdown
 from .case import NONE, load, made_case, read_wall, save
 from .hourglass import hourglass_case
-from .judge import asked, judged, outlets_told
+from .judge import AS_LIMB, asked, judged, outlets_told
 from .narrowing import AT_FORK, HOURGLASS, SHAPES
 from .pressed import pressed_case
 
@@ -66,7 +66,7 @@ def sentences(found: Found) -> list[str]:
     if found["outlets"] != found["facts"]["outlets"]:
         lines.append(f"flow: {found['outlets']} outlets, not {found['facts']['outlets']}")
     for number, one in enumerate(found["verdicts"]):
-        if one["words"] != "as it is":
+        if one["words"] not in ("as it is", AS_LIMB):
             errors = "".join(
                 f", {name} {one[name]:+.1f}"
                 for name in ("place", "minimum", "percent", "reference", "extent")
@@ -91,6 +91,7 @@ def summary(cases: Sequence[Found]) -> Found:
             "trees": len(about),
             "narrowings": len(mine),
             "as_they_are": words.count("as it is"),
+            "as_limbs": words.count(AS_LIMB),
             "missed": words.count("missed"),
             "split": words.count("split"),
             "invented": sum(len(case["invented"]) for case in about),
@@ -124,7 +125,7 @@ def table(found: Found) -> str:
 
 def _table(found: Found) -> str:
     header = [
-        "narrowing", "trees", "count", "as it is", "missed", "split", "invented", "errors",
+        "narrowing", "trees", "count", "as it is", AS_LIMB, "missed", "split", "invented", "errors",
         "place, mm", "minimum, %", "percent, points", "reference, %", "extent, mm", "time",
     ]  # fmt: skip
     rows = []
@@ -137,8 +138,8 @@ def _table(found: Found) -> str:
         ]
         rows.append(
             [
-                one["shape"], one["trees"], count, right, one["missed"], one["split"],
-                one["invented"], one["failed"], *errors, f"{one['seconds']:.2f} s",
+                one["shape"], one["trees"], count, right, one["as_limbs"], one["missed"],
+                one["split"], one["invented"], one["failed"], *errors, f"{one['seconds']:.2f} s",
             ]
         )  # fmt: skip
     return markdown(header, rows) + "\n\nErrors: median and 95th percentile of those found once."

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,10 @@ PERCENT = 5.0
 INVENTED = (15.0, 10.0)
 """Degree from which on a lesion is invented, %, and the true degree below which it is."""
 
+AS_LIMB = "as a limb"
+"""Words for a narrowing that is told as it is, but as a limb of the lesion in whose throat it
+is."""
+
 FILES = ("surface", "centerline")
 """Names of the files of a saved case, .vtp."""
 
@@ -46,6 +50,8 @@ class Reported:
     reference: float
     length: float
     name: str
+    limbs: tuple[Reported, ...] = ()
+    """Other vessels that it tells to be narrowed in the same throat."""
 
     @classmethod
     def from_section(cls, section: Mapping[str, Any]) -> Reported:
@@ -57,7 +63,15 @@ class Reported:
             float(section["reference"]["diameter_mm"]),
             float(section["extent"]["length_mm"]),
             str(section.get("branch_name", section.get("vessel_name", ""))),
+            tuple(map(cls._limb, section["limbs"])),
         )
+
+    @classmethod
+    def _limb(cls, section: Mapping[str, Any]) -> Reported:
+        names = ("minimum_mm", "percent_diameter", "reference_mm")
+        minimum, percent, reference = (float(section[name]) for name in names)
+        place = np.array(section["place_mm"], dtype=float)
+        return cls(place, minimum, percent, reference, np.nan, str(section["branch_name"]))
 
 
 @dataclass(frozen=True)
@@ -117,7 +131,7 @@ def outlets_told(folder: Path) -> int | str:
 
 @dataclass(frozen=True)
 class NarrowingVerdict:
-    """The verdict on a narrowing: "as it is" or the fault, and errors if it was found once.
+    """The verdict on a narrowing: "as it is", `AS_LIMB` or the fault, and errors if found once.
 
     `place` and `extent` in mm, `minimum` and `reference` in percent, `percent` in points.
     """
@@ -144,7 +158,7 @@ def judged(
     for truth in truths:
         mine = [one for one in left if _belongs(truth, one.place)]
         left = [one for one in left if not any(one is other for other in mine)]
-        verdicts.append(_verdict(truth, mine))
+        verdicts.append(_or_as_limb(truth, _verdict(truth, mine), reported))
     invented = []
     for one in left:
         if one.percent >= INVENTED[0]:
@@ -156,6 +170,18 @@ def judged(
                     f"{one.reference:.2f} mm, {one.name}; true: {degree:.0f} %"
                 )
     return verdicts, invented
+
+
+def _or_as_limb(
+    truth: Truth, verdict: NarrowingVerdict, reported: Sequence[Reported]
+) -> NarrowingVerdict:
+    """A verdict, or that a narrowing which is not told as it is by a lesion is by its limb."""
+    limbs = [limb for one in reported for limb in one.limbs if _belongs(truth, limb.place)]
+    if verdict.is_right or len(limbs) != 1:
+        return verdict
+    as_limb = _verdict(truth, limbs)
+    words = {"as it is": AS_LIMB, "minimum": f"minimum, {AS_LIMB}"}.get(as_limb.words)
+    return replace(as_limb, words=words) if words else verdict
 
 
 def _belongs(truth: Truth, place: np.ndarray) -> bool:

@@ -14,6 +14,7 @@ import argparse
 import secrets
 import sys
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -75,16 +76,24 @@ def runs_of(tree: VesselTree) -> list[Any]:
 def reported(tree: VesselTree, runs: list[Any]) -> list[Reported]:
     """The lesions of vessels, narrowest between the stations beside their narrowest one."""
     found, rule = [], sys.modules[f"{_ROOM}.found_narrowings"]
+    least = 100 * sys.modules[f"{_ROOM}.narrowings"].SMALLEST_DEGREE
     for one in rule.found_narrowings(runs, range(len(runs))):
-        at, last = one.narrowest, len(one.run.along) - 1
-        ends = one.run.line.arc_lengths[[max(at - 1, 0), min(at + 1, last)]]
-        places = one.run.line.cut(*ends).resampled(_FINE).points
-        widths = width_in(tree, places)
-        place, width = places[widths.argmin()], float(widths.min())
-        degree, length = 100 * (1 - width / one.healthy), one.narrow.end - one.narrow.start
-        if degree >= 100 * sys.modules[f"{_ROOM}.narrowings"].SMALLEST_DEGREE:
-            found.append(Reported(place, width, degree, one.healthy, length, str(one.vessel)))
+        limbs = tuple(_told(tree, each) for each in one.limbs)
+        told = replace(_told(tree, one), limbs=limbs)
+        if told.percent >= least:
+            found.append(told)
     return found
+
+
+def _told(tree: VesselTree, one: Any) -> Reported:
+    """A narrowing as it is told."""
+    at, last = one.narrowest, len(one.run.along) - 1
+    ends = one.run.line.arc_lengths[[max(at - 1, 0), min(at + 1, last)]]
+    places = one.run.line.cut(*ends).resampled(_FINE).points
+    widths = width_in(tree, places)
+    place, width = places[widths.argmin()], float(widths.min())
+    degree, length = 100 * (1 - width / one.healthy), one.narrow.end - one.narrow.start
+    return Reported(place, width, degree, one.healthy, length, str(one.vessel))
 
 
 _Layout = tuple[VesselTree, VesselTree, list[MadeNarrowing]]
