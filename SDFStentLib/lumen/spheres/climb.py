@@ -42,11 +42,12 @@ _ROUNDS = 200
 ROUGHLY = 60
 """Number of the wall's points round a sphere that tell about where it ends."""
 
+_ALIKE = 4
+"""Ratio of the triangles round two places up to which these are searched roughly together: every
+step of a search costs something."""
+
 _FINER = 30
 """Factor on their number from one rough search to the next."""
-
-_TOGETHER = 800
-"""Stations of about one size that are searched roughly together: every step costs something."""
 
 
 class InscribedSpheres(NamedTuple):
@@ -134,13 +135,15 @@ def rough_spheres(
     NaN where that leads out of the surface, and where the wall has few triangles `around` (n,).
     """
     found = InscribedSpheres(starts.copy(), np.full(len(starts), np.nan))
-    # Among about as many points round every sphere, whatever its size.
-    for own in np.array_split(np.argsort(around), len(starts) // _TOGETHER + 1):
-        usual = float(np.quantile(around[own], 0.25)) if len(own) else 0.0
-        if usual > ROUGHLY / 2:
-            stride = max(1.0, usual / ROUGHLY)
-            spheres = _among_points(surface, stride, starts[own], axes[own], until.at(own))
-            found.centers[own], found.radii[own] = spheres
+    # Among about as many points round every sphere, whatever its size and what else is searched:
+    # where a lumen is widest in two places, the first steps decide between them.
+    size = np.floor(np.log(np.maximum(around, 1) / ROUGHLY) / np.log(_ALIKE)).astype(int)
+    is_told = around > ROUGHLY / 2
+    for each in np.unique(size[is_told]).tolist():
+        own = np.flatnonzero(is_told & (size == each))
+        stride = max(1.0, float(_ALIKE) ** each)
+        spheres = _among_points(surface, stride, starts[own], axes[own], until.at(own))
+        found.centers[own], found.radii[own] = spheres
     return found
 
 
