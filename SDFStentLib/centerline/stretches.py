@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import dot
-from ..validation import Floats, Indices, Points
+from ..validation import Flags, Floats, Indices, Points
 from .branch_lumen import BranchLumen
 
 SAME_LUMEN = 0.5
@@ -122,6 +122,7 @@ class _Joined:
             [np.full(len(lumen.along), lumen.along[1] - lumen.along[0]) for lumen in lumens]
         )
         self._is_known = np.isfinite(self._radii) & np.isfinite(self._centers).all(axis=1)
+        self._centers[~self._is_known] = self._columns[0][~self._is_known]
         count = len(self._radii)
         self._is_kept = np.zeros(count, dtype=bool)
         self._stands = np.arange(count)
@@ -144,14 +145,14 @@ class _Joined:
 
     def _leave(self, line: Sequence[int]) -> int:
         """Number of stations for which a line runs in the lumen of earlier lines."""
-        kept = np.flatnonzero(self._is_kept & self._is_known)
-        if not len(kept):
+        kept = np.flatnonzero(self._is_kept)
+        if not self._is_known[kept].any():
             return 1
         along = self._columns[1]
         last = 0
         for begin in range(1, len(line), _AT_ONCE):
             some = np.array(line[begin : begin + _AT_ONCE])
-            same = self._in_lumens(some, kept)
+            same, is_told = self._in_lumens(some, kept)
             begun = self._along[self._stands[line[0]]]
             both = along[some] - along[line[0]], self._along[same] - begun
             drift = np.maximum(self._spacings[same], self._spacings[some]) + _DRIFT * both[0]
@@ -160,13 +161,14 @@ class _Joined:
                 if same[number - begin] >= 0:
                     self._stands[line[last + 1 : number + 1]] = same[number - begin]
                     last = number
-                elif along[one] - along[line[last]] > self._radii[one]:
-                    # Where no width is known, as at an inlet, the line may still be in that lumen.
+                elif is_told[number - begin] and along[one] - along[line[last]] > self._radii[one]:
+                    # Where a width is not known, as at an inlet, it may still be in that lumen.
                     return last + 1
         return last + 1
 
-    def _in_lumens(self, some: Indices, kept: Indices) -> Indices:
-        """The kept station in whose lumen each (k,) of some stations lies; -1 for none."""
+    def _in_lumens(self, some: Indices, kept: Indices) -> tuple[Indices, Flags]:
+        """The kept station in whose lumen each (k,) of some stations lies, -1 for none, and whether
+        both widths are known."""
         # Column by column: NumPy takes several times longer over rows of three.
         x, y, z = (column[some][:, None] - column[kept] for column in self._centers.T)
         found = kept[(x * x + y * y + z * z).argmin(axis=1)]
@@ -175,7 +177,8 @@ class _Joined:
         across = np.linalg.norm(offset - ahead[:, None] * ways, axis=1)
         is_same = np.abs(ahead) <= _BESIDE * self._spacings[found]
         is_same &= across <= SAME_LUMEN * self._radii[found]
-        return np.where(is_same, found, -1)
+        is_told = self._is_known[some] & self._is_known[found]
+        return np.where(is_same & is_told, found, -1), is_told
 
     def stretches(self) -> tuple[list[LumenStretch], Indices]:
         """The stretches between stations at which several lines go on, and that of every station
