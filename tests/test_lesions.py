@@ -28,8 +28,8 @@ from SDFStentLib.vessel import find_lesions, lesion_after, lesion_against, lesio
 from SDFStentLib.vessel.found_narrowings import found_narrowings
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
 from SDFStentLib.vessel.lesions import _each_once
-from SDFStentLib.vessel.narrowings import Plateau, _beyond, narrowings
-from SDFStentLib.vessel.runs import SideBranch, _ostium, vessel_runs
+from SDFStentLib.vessel.narrowings import Plateau, _left, narrowings
+from SDFStentLib.vessel.runs import Leaving, SideBranch, _ostium, vessel_runs
 
 NEAR = 2.0
 """Percentage points within which a degree is right: a reference beside a junction is a little
@@ -368,8 +368,9 @@ def test_a_narrowing_at_a_fork_is_told_against_healthy_vessel_on_both_sides_of_i
         assert one.narrow.narrowest == pytest.approx(throat, abs=1.0)
         assert one.sides[0].diameter == pytest.approx(10.4, abs=0.2)
         assert one.sides[1].diameter == pytest.approx(8.0, abs=0.2)
-        # Between that against the vessel before and that against the vessel beyond.
-        assert 1 - 5.6 / 8.0 < one.narrow.degree < 1 - 5.6 / 10.4
+        # Before it between the two, beyond it against what the other branch leaves of the trunk.
+        most = 1 - 5.6 / (10.4 if vessel == 0 else 8.0)
+        assert 0.99 * (1 - 5.6 / 8.0) <= one.narrow.degree <= most
 
 
 def test_a_branch_as_wide_as_others_is_measured_against_what_its_parent_leaves_it():
@@ -382,8 +383,33 @@ def test_a_branch_as_wide_as_others_is_measured_against_what_its_parent_leaves_i
     branch = leaving(narrow, 60.0)._replace(caliber=7.4, beside=(7.4,))
     (one,) = found_narrowings([parent, wide, branch], [0, 1, 2])
     assert one.vessel == 2
-    assert one.narrow.reference.proximal_beyond == pytest.approx(10 * 0.5 ** (3 / 7), rel=0.01)
+    beyond = one.narrow.reference.beyond(one.narrow.narrowest)
+    assert beyond == pytest.approx(10 * 0.5 ** (3 / 7), rel=0.01)
     assert one.narrow.degree == pytest.approx(0.5, abs=0.03)
+
+
+@pytest.mark.parametrize(("throat", "least", "most"), [(55.0, 7.0, 7.6), (45.0, 8.0, 9.4)])
+def test_a_vessel_loses_what_its_side_branch_takes_where_that_leaves(throat, least, most):
+    """66 % were told of 60: of a vessel of 11.6 mm a branch of 9.5 leaves 7.6, not what lies
+    between the two."""
+    healthy = through((0, 10.0), (47, 10.0), (52, 7.4), (100, 7.4))
+    along = SPACING * np.arange(len(healthy))
+    bell = 1 - 0.5 * np.exp(-(((along - throat) / 3.0) ** 2))
+    side = SideBranch(50.0, 7.4, 1)
+    parent = vessel_along(healthy * bell)._replace(side_branches=(side,))
+    branch = leaving(np.full(60, 7.4), 50.0)._replace(caliber=7.4, beside=(7.4,))
+    (one,) = found_narrowings([parent, branch], [0])
+    assert one.narrow.narrowest == pytest.approx(throat, abs=2.0)
+    assert least <= one.healthy <= most
+
+
+def test_junctions_take_their_shares_one_after_the_other():
+    """No more than leaves the vessel as wide as it is beyond."""
+    sides = [Leaving(30.0, 6.0), Leaving(40.0, 6.0), Leaving(80.0, 6.0)]
+    first, second = _left(Plateau(10.0, 10.0), Plateau(60.0, 7.0), sides)
+    assert first.diameter == pytest.approx((10.0 ** (7 / 3) - 6.0 ** (7 / 3)) ** (3 / 7))
+    assert (10.0 ** (7 / 3) - 2 * 6.0 ** (7 / 3)) ** (3 / 7) < second.diameter == 7.0
+    assert (first.arc_length, second.arc_length) == (30.0, 40.0)
 
 
 def test_a_narrow_twig_at_the_end_of_a_trunk_takes_no_lesion_from_it():
@@ -621,10 +647,10 @@ def test_a_narrow_ostium_is_told_though_a_throat_and_a_taper_follow():
 def test_what_lies_before_a_junction_goes_on_beyond_it_only_where_the_other_side_does():
     """The healthy parent beyond a throat of its own passed for vessel beyond the junction: of a
     branch 84 % were told at its end, and its own throat of 58 % not at all."""
-    run = vessel_along(np.full(80, 8.0), parent=0)._replace(beside=(8.0,))
-    before = Plateau(18.0, 17.7)
-    assert np.isnan(_beyond(run, before, Plateau(63.0, 10.1), begins=65.0))
-    assert 16 < _beyond(run, before, Plateau(70.0, 10.1), begins=65.0) < 17
+    before, leaving = Plateau(18.0, 17.7), [Leaving(65.0, 8.0)]
+    assert list(_left(before, Plateau(63.0, 10.1), leaving)) == []
+    (beyond,) = _left(before, Plateau(70.0, 10.1), leaving)
+    assert 16 < beyond.diameter < 17
 
 
 def test_a_valley_beside_a_deeper_throat_is_measured_up_to_that_only():
@@ -845,5 +871,7 @@ def test_the_branch_that_begins_in_a_patient_s_throat_is_told_as_an_independent_
     after = lesion_after(lesion, grown)
     assert after.limbs[0].minimum_diameter == pytest.approx(1.1 * limb.minimum_diameter, rel=0.01)
     facts = treated_lesion_facts(TreatedLesion(1, lesion, after, (1,)))
-    assert f"{limb.branch_name}: 43 % (2.07 of 3.65 mm) -> 38 % (2.2" in facts.named("_left").words
+    assert (
+        f"{limb.branch_name}: 43 % (2.10 of 3.65 mm) -> 37 % (2.31 of" in facts.named("_left").words
+    )
     assert facts.as_dict()["after"]["limbs"][0]["percent_diameter"] < 40

@@ -17,7 +17,7 @@ import numpy as np
 from ..centerline import SAME_CALIBER
 from ..geometry import Line
 from ..validation import Flags, Floats, Indices
-from .runs import VesselRun
+from .runs import Leaving, VesselRun
 
 KEPT = 0.7
 """Diameters over which a width is kept that counts: the bulge and the funnel of a junction are
@@ -103,8 +103,7 @@ class VesselWay(NamedTuple):
     """A vessel with the one it comes from and the ones it goes on in."""
 
     run: VesselRun
-    """The run with their stations, too. Its parent is that of the first of them, and nothing is
-    beside it where its parent goes on in it foremost."""
+    """The run with their stations, too. Its parent is that of the first of them."""
     own: tuple[float, float]
     """Arc lengths of the first and last known station of the vessel itself, from the root, mm."""
     rank: int
@@ -113,6 +112,8 @@ class VesselWay(NamedTuple):
     """Index of the vessel that this one itself leaves; -1 for one that begins at a root."""
     begins: tuple[tuple[float, int], ...]
     """Arc length from the root at which each vessel of the way begins, mm, and its index."""
+    leaving: tuple[Leaving, ...]
+    """What leaves it on its way."""
 
     def vessel_at(self, along: float) -> int:
         """The vessel of the tree at an arc length from the root, mm."""
@@ -131,8 +132,7 @@ def vessel_ways(runs: Sequence[VesselRun]) -> list[VesselWay]:
             known = known[known > run.along[0]]
         own = (float(known[0]), float(known[-1])) if len(known) else (np.inf, -np.inf)
         rank = 0 if run.parent < 0 else found[run.parent].rank + (not is_foremost[number])
-        way = run._replace(beside=()) if is_foremost[number] else run
-        before = beyond = number
+        way, before, beyond = run, number, number
         begins = [(float(run.along[0]), number)]
         # Ends: at a root, or at the ostium of a side branch, at the latest.
         while runs[before].is_onward or is_foremost[before]:
@@ -143,8 +143,19 @@ def vessel_ways(runs: Sequence[VesselRun]) -> list[VesselWay]:
         while (beyond := onward[beyond]) >= 0:
             begins.append((float(runs[beyond].along[0]), beyond))
             way = _joined(way, way, runs[beyond])
-        found.append(VesselWay(way, own, rank, run.parent, tuple(begins)))
+        facts = rank, run.parent, tuple(begins), _leaving(runs, begins)
+        found.append(VesselWay(way, own, *facts))
     return found
+
+
+def _leaving(runs: Sequence[VesselRun], begins: Sequence[tuple[float, int]]) -> tuple[Leaving, ...]:
+    """What leaves a way through vessels that begin at some arc lengths, mm."""
+    ends = [*(begin for begin, _ in begins[1:]), np.inf]
+    parts = zip(begins, ends, strict=True)
+    found = [
+        one for (_, vessel), end in parts for one in runs[vessel].leaving if one.arc_length < end
+    ]
+    return tuple(sorted(found))
 
 
 def _onward(runs: Sequence[VesselRun], number: int) -> int:

@@ -54,7 +54,7 @@ def _asked(runs: Sequence[VesselRun]) -> list[int]:
     """Vessels with a possible narrowing, or with healthy vessel beside another's."""
     found: set[int] = set()
     for number, way in enumerate(vessel_ways(runs)):
-        for narrow in narrowings(way.run, _ROUGHLY, way.own):
+        for narrow in narrowings(way.run, _ROUGHLY, way.own, way.leaving):
             found.add(number)
             sides = (narrow.reference.proximal, narrow.reference.distal)
             found |= {way.vessel_at(side.arc_length) for side in sides if side is not None}
@@ -160,9 +160,9 @@ def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[Fo
     """
     ways = vessel_ways(runs)
     every = [
-        FoundNarrowing(number, ways[number], narrow)
-        for number in asked
-        for narrow in narrowings(ways[number].run, own=ways[number].own)
+        FoundNarrowing(number, way, narrow)
+        for number, way in ((number, ways[number]) for number in asked)
+        for narrow in narrowings(way.run, own=way.own, leaving=way.leaving)
     ]
     going_on = Counter(id(above) for one, above in product(every, every) if one.continues(above))
     kept: list[FoundNarrowing] = []

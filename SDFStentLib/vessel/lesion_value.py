@@ -140,8 +140,9 @@ def reference_words(
         if side is not None
     ]
     if len(told) == 2:
-        if np.isfinite(beyond):
-            told[0] = f"{told[0][:-1]}, {beyond:.1f} mm beyond its junction)"
+        left = f"{beyond:.1f} mm"
+        if np.isfinite(beyond) and left not in told[0]:
+            told[0] = f"{told[0][:-1]}, {left} beyond its junction)"
         return f"{by} {told[0]} and {told[1]}, tapering from one to the other"
     if not told:
         return f"how wide this vessel should be ({widest:.1f} mm): no part of it is surely healthy"

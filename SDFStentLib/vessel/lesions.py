@@ -228,7 +228,9 @@ def _begun(
         percent_diameter=unknown,
         proximal=sides[0],
         distal=sides[1],
-        reference=reference_words(sides, narrow.reference.widest, narrow.reference.proximal_beyond),
+        reference=reference_words(
+            sides, narrow.reference.widest, narrow.reference.beyond(narrow.narrowest)
+        ),
         line=Line(line),
         healthy=narrow.reference.at(along),
         diameters=np.r_[ends[0], run.diameter[inner], ends[1]],

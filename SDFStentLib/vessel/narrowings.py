@@ -9,6 +9,7 @@ other. A vessel goes on beyond junctions (`VesselWay`): shoulders may lie there.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from ..centerline import USUAL
 from ..validation import Floats
 from .caliber import ANEURYSM, KEPT, Caliber, caliber_of
-from .runs import LOCAL, MURRAY_EXPONENT, VesselRun
+from .runs import LOCAL, MURRAY_EXPONENT, Leaving, VesselRun
 
 SMALLEST_DEGREE = 0.15
 """Persistence of a narrowing, of the diameter; less is the unevenness of healthy vessels and of
@@ -67,19 +68,37 @@ class Reference(NamedTuple):
     distal: Plateau | None
     widest: float = np.nan
     """Healthy diameter of the vessel, mm, where no part of it is known as healthy."""
-    proximal_beyond: float = np.nan
-    """Diameter beyond a junction of the vessel proximal of it, mm; NaN where none is between."""
-    junction: float = np.nan
-    """Arc length from the root where that begins, mm."""
+    left: tuple[Plateau, ...] = ()
+    """Diameter of the vessel beyond each junction between the two, and its arc length, mm."""
 
     def at(self, along: Floats) -> Floats:
-        """Healthy diameters (n,) at some arc lengths from the root, mm."""
-        proximal = self.proximal
-        if proximal is not None and np.isfinite(self.proximal_beyond):
-            proximal = Plateau(self.junction, self.proximal_beyond)
-        known = [side for side in (proximal, self.distal) if side is not None]
-        places, widths = np.array(known or [Plateau(0.0, self.widest)]).T
-        return np.asarray(np.interp(along, places, widths))
+        """Healthy diameters (n,) at some arc lengths from the root, mm.
+
+        A vessel tapers from one side to the other, and loses beyond a junction at least what the
+        vessels that leave there take.
+        """
+        healthy = self.tapering(along)
+        for one in self.left:
+            beyond = _between([one, self.distal], along)
+            healthy = np.where(along < one.arc_length, healthy, np.minimum(healthy, beyond))
+        return healthy
+
+    def tapering(self, along: Floats) -> Floats:
+        """Healthy diameters (n,) but for what junctions take, mm."""
+        known = [self.proximal, self.distal]
+        return _between(known if any(known) else [Plateau(0.0, self.widest)], along)
+
+    def beyond(self, along: float) -> float:
+        """Diameter of the proximal vessel beyond the last junction before a place, mm; NaN where
+        none takes more there than the vessel tapers."""
+        here = np.array([along])
+        passed = [one.diameter for one in self.left if one.arc_length <= along]
+        return passed[-1] if (self.at(here) < self.tapering(here)).all() else np.nan
+
+
+def _between(sides: Sequence[Plateau | None], along: Floats) -> Floats:
+    places, widths = np.array([side for side in sides if side is not None]).T
+    return np.asarray(np.interp(along, places, widths))
 
 
 class Narrowing(NamedTuple):
@@ -98,17 +117,20 @@ _EVERYWHERE = (-np.inf, np.inf)
 
 
 def narrowings(
-    run: VesselRun, eased: float = 0.0, own: tuple[float, float] = _EVERYWHERE
+    run: VesselRun,
+    eased: float = 0.0,
+    own: tuple[float, float] = _EVERYWHERE,
+    leaving: Sequence[Leaving] = (),
 ) -> list[Narrowing]:
     """Narrowings of a vessel from its start to its end, and near ones within a margin.
 
     The deepest comes first: what lies in it is no other one. `run` may go on beyond `own` (see
-    `VesselWay`): narrowings are narrowest there.
+    `VesselWay`): narrowings are narrowest there. What is `leaving` takes its share.
     """
     caliber, found = caliber_of(run), list[Narrowing]()
     if len(caliber.along) < 3:
         return found
-    every = (_narrowing(run, caliber, at, eased, own) for at in _minima(caliber))
+    every = (_narrowing(run, caliber, at, eased, own, leaving) for at in _minima(caliber))
     for one in sorted((one for one in every if one), key=lambda one: -one.degree):
         if all(one.end <= other.start or other.end <= one.start for other in found):
             found.append(one)
@@ -138,18 +160,27 @@ def _minima(caliber: Caliber) -> list[int]:
 
 
 def _narrowing(
-    run: VesselRun, caliber: Caliber, at: int, eased: float, own: tuple[float, float]
+    run: VesselRun,
+    caliber: Caliber,
+    at: int,
+    eased: float,
+    own: tuple[float, float],
+    leaving: Sequence[Leaving],
 ) -> Narrowing | None:
     """The narrowing with a minimum, if that persists and lies in the vessel itself."""
     reference = _reference(run, caliber, at, eased, own)
     if reference is None:
         return None
+    left = _left(reference.proximal, reference.distal, leaving)
+    reference = reference._replace(left=tuple(left))
     along, diameter, _, _ = caliber
     degree = 1 - diameter / reference.at(along)
     healthy = np.flatnonzero(degree <= EDGE_DEGREE)
     first = int(healthy[healthy < at].max(initial=-1)) + 1
     last = int(healthy[healthy > at].min(initial=len(along))) - 1
-    at = first + int(degree[first : last + 1].argmax())
+    # What a junction takes at once does not tell on which side of it that is narrowest.
+    narrow = slice(first, last + 1)
+    at = first + int((diameter / reference.tapering(along))[narrow].argmin())
     if degree[at] < SMALLEST_DEGREE - eased or not own[0] <= along[at] <= own[1]:
         return None
     # Beside the narrowest station no line tells how narrow it is between that and the next ones.
@@ -191,7 +222,7 @@ def _reference(
         # So far beyond a junction the caliber is that of other vessels.
         is_local = caliber.along[at] - before.arc_length <= LOCAL * after.diameter
         before = before if is_local else None
-    return Reference(before, after, widest, _beyond(run, before, after, begins), begins)
+    return Reference(before, after, widest)
 
 
 def _again(caliber: Caliber, at: int, begins: float, eased: float) -> tuple[float, float]:
@@ -218,18 +249,21 @@ def _alone(run: VesselRun, narrow: float, eased: float) -> Reference | None:
     return Reference(None, None, asked) if is_narrow else None
 
 
-def _beyond(run: VesselRun, before: Plateau | None, after: Plateau | None, begins: float) -> float:
-    """Diameter of healthy vessel before a junction as it goes on beyond it, mm; NaN without one.
+def _left(
+    before: Plateau | None, after: Plateau | None, leaving: Sequence[Leaving]
+) -> Iterator[Plateau]:
+    """Healthy vessel before junctions as it goes on beyond each of them.
 
     By the rule of flow, between what is wider than it and what is narrower than the vessel beyond.
     """
-    if before is None or after is None or not run.beside:
-        return np.nan
-    if not before.arc_length < begins < after.arc_length:
-        return np.nan
-    others = sum(one**MURRAY_EXPONENT for one in run.beside)
-    left = max(before.diameter**MURRAY_EXPONENT - others, 0.0) ** (1 / MURRAY_EXPONENT)
-    return float(np.clip(left, min(before.diameter, after.diameter), before.diameter))
+    if before is None or after is None:
+        return
+    taken, least = 0.0, min(before.diameter, after.diameter)
+    for one in leaving:
+        if before.arc_length < one.arc_length < after.arc_length:
+            taken += one.caliber**MURRAY_EXPONENT
+            rest = max(before.diameter**MURRAY_EXPONENT - taken, 0.0) ** (1 / MURRAY_EXPONENT)
+            yield Plateau(one.arc_length, max(rest, least))
 
 
 def _side(caliber: Caliber, at: int, way: int) -> tuple[Floats, Floats, Floats]:

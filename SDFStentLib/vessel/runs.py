@@ -47,6 +47,15 @@ class SideBranch(NamedTuple):
     """Index into `Centerline.branches` of its first one."""
 
 
+class Leaving(NamedTuple):
+    """A vessel that takes its share of the flow of another one."""
+
+    arc_length: float
+    """The arc length of the junction, from the root, mm."""
+    caliber: float
+    """mm."""
+
+
 class VesselRun(NamedTuple):
     """Stations along one vessel, from the root's side on, and how it begins and ends."""
 
@@ -78,6 +87,13 @@ class VesselRun(NamedTuple):
     def is_onward(self) -> bool:
         """Whether no much wider vessel begins beside it: its parent goes on in it, too."""
         return bool(self.beside) and self.caliber >= SAME_CALIBER * max(self.beside)
+
+    @property
+    def leaving(self) -> tuple[Leaving, ...]:
+        """What leaves it, and what began beside it."""
+        begins = [Leaving(float(self.along[0]), caliber) for caliber in self.beside]
+        sides = [Leaving(one.arc_length, one.caliber) for one in self.side_branches]
+        return (*begins, *sides)
 
     @property
     def points(self) -> Points:
