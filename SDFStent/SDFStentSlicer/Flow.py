@@ -59,13 +59,13 @@ def toldFlow(parameterNode):
     return None if refusal(parameterNode) else known_of(parameterNode.get("flow"))
 
 
-def plannedFlow(parameterNode):
-    """Flow data for a plan in RAS, with the place of the right branch once it is known, since a file may lack it.
+def plannedFlow(parameterNode, isFound=True):
+    """Flow data for a plan in RAS, with the place of the right branch once it `isFound`, since a file may lack it.
 
     Raises `InputError` for what contradicts itself.
     """
     known = known_of(parameterNode.get("flow"))
-    if known is None or not parameterNode.rightBranch:
+    if known is None or not (isFound and parameterNode.rightBranch):
         return known
     return replace(known, right=tuple(json.loads(parameterNode.rightBranch)))
 

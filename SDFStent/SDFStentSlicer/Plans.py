@@ -111,6 +111,7 @@ def planOf(parameterNode, stents=None, hasFiles=True):
     """Everything that determines the result, as the library's plan; of all stents unless some are given.
 
     Its points are in the frame of the vessel's file, which may not say so itself; in RAS where there is no file, or none is wanted.
+    Without files it is what the user has set: the place of the right branch, which a deployment finds, is none of it either.
     """
     chosen = stentsOf(parameterNode) if stents is None else stents
     vessel, line = parameterNode.vessel, parameterNode.centerline
@@ -121,7 +122,7 @@ def planOf(parameterNode, stents=None, hasFiles=True):
         units="mm" if surface is None else Conversion.fileUnits(vessel),
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.get("settings.straightening_fraction"),
-        flow=Flow.plannedFlow(parameterNode),
+        flow=Flow.plannedFlow(parameterNode, isFound=hasFiles),
         views=views_of(parameterNode.get("views")),
     )
     frame = "RAS" if surface is None else Conversion.fileFrame(vessel)

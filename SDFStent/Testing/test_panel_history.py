@@ -127,6 +127,21 @@ def test_a_stent_that_was_moved_goes_back_with_the_recoil_that_the_rule_found_la
     assert isSame(stateOf(aStent), first)
 
 
+def test_what_a_deployment_finds_of_the_flow_is_no_step(host, aStent):
+    """It takes away the place of the right branch when it begins, and finds it again in the end."""
+    ui, parameters = aStent.ui, aStent._parameterNode
+    ui.flowMeanSpinBox.value = 2.5
+    rest(host, aStent)
+    first = stateOf(aStent)
+    ui.diameterSlider.value = 7.0
+    rest(host, aStent)
+    deploy(host, aStent)
+    rest(host, aStent)
+    assert parameters.rightBranch
+    host.click(ui.undoButton)
+    assert isSame(stateOf(aStent), first)
+
+
 def test_buttons_that_are_clicked_at_once_are_steps_of_their_own(host, theInputs):
     ui, parameters = theInputs.ui, theInputs._parameterNode
     counts = []
