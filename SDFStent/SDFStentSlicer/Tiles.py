@@ -9,6 +9,8 @@ from .Desktop import desktop
 from .PanelParts import cut
 
 SURFACE, IN_A_ROW = COMPARED[-1], 3
+APART = 8
+"""Pixels between the words of tiles side by side, which are read as one line otherwise."""
 MIDDLE = 128
 """The middle of the scale of lightness of a color, 0 to 255."""
 LONGEST = 44
@@ -58,11 +60,12 @@ def html(tiles, isDark=False):
 
 
 def _cell(tile, isDark, isLast):
-    look = f' style="{CAUTIONS[isDark]}"' if tile.is_caution else ""
+    look = f"; {CAUTIONS[isDark]}" if tile.is_caution else ""
     size = "small" if isLast and tile.name == SURFACE else "large"
     name, value, beneath = (escape(cut(text, LONGEST)) for text in tile[:3])
     below = f'<br><span style="font-size: small">{beneath}</span>' if beneath else ""
     return (
-        f'<td width="{100 // IN_A_ROW}%"{look}><span style="font-size: small">{name}</span><br>'
+        f'<td width="{100 // IN_A_ROW}%" style="padding-right: {APART}px{look}">'
+        f'<span style="font-size: small">{name}</span><br>'
         f'<span style="font-size: {size}; font-weight: 600">{value}</span>{below}</td>'
     )

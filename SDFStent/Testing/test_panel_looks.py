@@ -295,7 +295,7 @@ def test_a_warning_fits_the_style(host, aStent, window, thePictures):
     QtWidgets.QWidget.setPalette(aStent.parent, palette)
     deploy(host, aStent)
     ((ground, ink),) = set(
-        re.findall(r'"background-color: (#\w+); color: (#\w+)"', aStent.ui.tilesLabel.text)
+        re.findall(r"background-color: (#\w+); color: (#\w+)", aStent.ui.tilesLabel.text)
     )
     assert contrast(ground, ink) > 4.5
     assert contrast(ground, window) < 1.6  # no lamp in a dark room

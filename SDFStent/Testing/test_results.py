@@ -105,3 +105,32 @@ def test_a_result_is_told_by_tiles_with_warnings_first(host, aStent):
     assert (first.name, first.is_caution) == ("Warnings", True)
     assert "without effect" in first.beneath
     assert not any(one.is_caution for one in others)
+
+
+def test_there_is_room_between_words_of_tiles_side_by_side(aLogic):
+    from PySide6 import QtGui
+    from SDFStentSlicer.Tiles import html
+
+    from SDFStentLib.report import Tile
+
+    document, gaps = QtGui.QTextDocument(), []
+    for count in range(8, 40):
+        beneath = "healthy " * (count // 8) + "m" * (count % 8)
+        document.setHtml(html([Tile("Lumen", "6.8 mm", beneath, False)] * 6))
+        document.setTextWidth(453.0)  # in a window of 1280 pixels
+        table = document.rootFrame().childFrames()[0]
+        for row in range(2):
+            cells = [extentOf(document, table.cellAt(row, column)) for column in range(3)]
+            gaps += [cells[number + 1][0] - cells[number][1] for number in range(2)]
+    assert len(gaps) == 32 * 4
+    assert min(gaps) >= 8.0
+
+
+def extentOf(document, cell):
+    """Where the words of a table's cell begin and end, pixels."""
+    lines, block = [], cell.firstCursorPosition().block()
+    left = document.documentLayout().blockBoundingRect(block).left()
+    for number in range(block.layout().lineCount()):
+        words = block.layout().lineAt(number).naturalTextRect()
+        lines.append((left + words.left(), left + words.right()))
+    return min(one for one, _ in lines), max(one for _, one in lines)
