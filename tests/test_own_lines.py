@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from lesion_cases import bifurcation_case
 from round_tubes import chain, circle, contoured, random_tree
 from scipy.spatial import Delaunay, cKDTree
 
@@ -20,7 +21,7 @@ from SDFStentLib import extract_centerline
 from SDFStentLib.centerline import InnerBalls, WidestWays, inner_balls
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.geometry import Surface, SurfaceIndex, distances_to_segments, norm
+from SDFStentLib.geometry import Line, Surface, SurfaceIndex, distances_to_segments, norm
 from SDFStentLib.treatment import Vessel
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import find_lesions
@@ -261,6 +262,42 @@ def test_a_round_end_beside_flat_ones_is_found():
     assert tree.points[root][2] < points[:, 2].min() + 0.1
     assert len(tree.leaves) == 1
     assert tree.points[tree.leaves[0]][2] > points[:, 2].max() - 4.6
+
+
+def roughened(surface, kind, random):
+    """The points of a closed surface with noise, or smoothed all over as if there were no rims."""
+    if kind == "noise":
+        return surface.points + random.normal(0, 0.03, surface.points.shape)
+    points, triangles = surface.points.copy(), surface.triangles
+    sides = np.concatenate([triangles[:, :2], triangles[:, 1:], triangles[:, ::2]])
+    count = np.bincount(sides.ravel(), minlength=len(points))[:, None]
+    for _ in range(20):
+        total = np.zeros_like(points)
+        for one, other in (sides.T, sides.T[::-1]):
+            np.add.at(total, one, points[other])
+        points += 0.1 * (total / count - points)
+    return points
+
+
+@pytest.mark.parametrize("kind", ["noise", "smoothed"])
+@pytest.mark.parametrize("seed", [2001, 2005])
+def test_caps_that_are_no_longer_flat_are_ends_in_the_middle_of_the_vessel(seed, kind):
+    """Lines ended in the rim, as wide as they are there, and the inlet was an outlet: of a trunk of
+    9.7 mm with branches of 6.7 and 7.7 one of these."""
+    case = bifurcation_case(seed, None, fineness=0.4)
+    points = roughened(case.surface, kind, np.random.default_rng(seed))
+    found = extract_centerline(Surface(points, case.surface.triangles)).centerline
+    known = case.centerline
+    for ends, mine in ((known.roots, found.roots), (known.leaves, found.leaves)):
+        assert len(ends) == len(mine)
+        tree = cKDTree(found.points[mine])
+        for end in ends:
+            away = tree.query(known.points[end])[0]
+            # A radius before the cap, and not aside.
+            assert away < 1.05 * known.inscribed_radius[end]
+    axis = cKDTree(Line(known.points[known.ancestry(int(known.leaves[0]))]).resampled(0.1).points)
+    root = int(found.roots[0])
+    assert axis.query(found.points[root])[0] < 0.2 * found.inscribed_radius[root]
 
 
 def test_the_command_needs_no_other_package(tmp_path, capsys, monkeypatch):

@@ -74,13 +74,28 @@ class _Reach:
         for way, side in zip(found, sides, strict=True):
             width, peak = float(radii[way].max()), centers[way[0]]
             if width >= side and norm(met - peak).min(initial=np.inf) > BACK * width:
+                last = self._out_of_the_rim(way[0], float(side))
                 # The way may go on to facets of the wall, within or beside a wider ball.
-                near = np.array(tree.query_ball_point(peak, width + radii[way[0]]))
+                width = max(width, float(radii[last]))
+                near = np.array(tree.query_ball_point(centers[last], width + radii[last]))
                 near = near[np.isfinite(self.away[near])]
-                beside = near[norm(centers[near] - peak) <= radii[near] + radii[way[0]]]
+                beside = near[norm(centers[near] - centers[last]) <= radii[near] + radii[last]]
                 wide = beside[radii[beside] >= FULL * radii[beside].max()]
                 tips.append(int(wide[self.away[wide].argmax()]))
         return tips
+
+    def _out_of_the_rim(self, peak: int, side: float) -> int:
+        """The ball at which the way back from one of them comes to the middle of an end.
+
+        In a cap that is not quite flat, as that of a surface that was smoothed, the farthest ball
+        lies in the rim: the root of two of its radii away from the ball in the middle, or less, by
+        what the triangles' sides, mm, leave open.
+        """
+        centers, radii, _ = self.balls
+        way = self.beyond(peak, -np.inf)
+        is_away = norm(centers[way] - centers[peak]) > np.sqrt(2.0) * radii[way] + side
+        rim = way[: int(is_away.argmax())] if is_away.any() else way
+        return int(rim[(radii[rim] >= FULL * radii[rim].max()).argmax()])
 
     def beyond(self, ball: int, level: float) -> Indices:
         """The balls of the way from one of them back to where ways are shorter than a level."""
