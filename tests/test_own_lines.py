@@ -24,7 +24,7 @@ from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line, Surface, SurfaceIndex, distances_to_segments, norm
 from SDFStentLib.treatment import Vessel
 from SDFStentLib.validation import DeploymentError, InputError
-from SDFStentLib.vessel import find_lesions
+from SDFStentLib.vessel import find_lesions, vessel_ends
 
 ASIDE = np.array([20.0, 0.0, 0.0])
 
@@ -262,6 +262,21 @@ def test_a_round_end_beside_flat_ones_is_found():
     assert tree.points[root][2] < points[:, 2].min() + 0.1
     assert len(tree.leaves) == 1
     assert tree.points[tree.leaves[0]][2] > points[:, 2].max() - 4.6
+
+
+def test_the_widest_end_is_the_inlet_though_a_narrow_one_is_open():
+    """A tree with round ends began at a spot of 0.13 mm that passed for a flat one."""
+    pieces = [((0, 0, 0), (0, 0, 36), 4.5, 3.5), *chain([(0, 0, 15), (20, 0, 15)], 2)]
+    surface = contoured(pieces, 0.6)
+    is_left = surface.points[surface.triangles][..., 0].max(axis=1) < 20.0
+    cut = Surface(surface.points, surface.triangles[is_left])
+    (end,) = vessel_ends(cut)
+    assert (end.center[0], end.radius) == pytest.approx((19.7, 2.0), abs=0.3)
+    found = extract_centerline(cut).centerline
+    np.testing.assert_allclose(found.points[found.roots], [[0, 0, 0]], atol=1.0)
+    assert len(found.leaves) == 2
+    named = extract_centerline(cut, inlet=[20.0, 0.0, 15.0]).centerline
+    np.testing.assert_allclose(named.points[named.roots], [end.center], atol=0.1)
 
 
 def roughened(surface, kind, random):

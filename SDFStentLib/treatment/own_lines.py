@@ -74,8 +74,7 @@ def extract_centerline(
     surface : Surface
         mm; its ends are open, closed by flat caps, or round and longer than they are wide.
     inlet : array_like, shape (3,), optional
-        Names the proximal end, mm; by default the largest that is open or flat, or else the
-        widest round one.
+        Names the proximal end, mm; by default the widest.
     outlets : sequence of array_like, shape (3,), optional
         Name the other ends; all that are found by default. A place away from every open end and
         flat cap stands for the point of the wall beside it, such as the tip of a rounded end.
@@ -137,7 +136,9 @@ def _goals(seeds: KnownEnds, are_named: bool) -> _Goals:
     if not are_named:
         begin = None if seeds.inlet is None else int(known[0])
         tips = round_ends(balls, begin, known, seeds.surface)
-        goals = np.r_[tips, known] if seeds.inlet is None else np.r_[known, tips]
+        # A spot of two triangles that lie in one plane may pass for a flat end.
+        is_wider = (balls.radii[tips[:1]] > seeds.inlet_radius).any()
+        goals = np.r_[tips, known] if is_wider else np.r_[known, tips]
     if len(goals) < 2:
         raise InputError(
             "surface: expected two ends or more, open, flat, or round and longer than wide, found "

@@ -109,6 +109,8 @@ class KnownEnds(NamedTuple):
     """Indices of the points at the others."""
     end_count: int
     """Number of open or flat ends: their middles are its last points."""
+    inlet_radius: float
+    """The radius of the proximal end, mm; infinite for one that is named, which no wider one is."""
 
 
 def line_seeds(
@@ -157,15 +159,15 @@ def known_ends(
     ends = vessel_ends(surface)
     closed = _closed(surface, ends)
     centers = (len(closed.points) - len(ends) + np.arange(len(ends))).tolist()
-    start = centers[0] if ends else None
+    start, radius = (centers[0], ends[0].radius) if ends else (None, 0.0)
     if inlet is not None:
-        start = _named(closed, ends, inlet, "inlet")
+        start, radius = _named(closed, ends, inlet, "inlet"), float("inf")
     targets = [
         _named(closed, ends, outlet, f"outlet {number}") for number, outlet in enumerate(outlets, 1)
     ] or [center for center in centers if center != start]
     if len({start, *targets}) != 1 + len(targets):
         raise InputError("ends: expected each to be named once; two places name the same end.")
-    return KnownEnds(closed, start, tuple(targets), len(ends))
+    return KnownEnds(closed, start, tuple(targets), len(ends), radius)
 
 
 def _named(closed: Surface, ends: list[VesselEnd], place: Points, name: str) -> int:
