@@ -4,12 +4,14 @@ import os
 import signal
 import subprocess
 import time
+from http import HTTPStatus
 
 import numpy as np
 import pytest
 from child_processes import PROJECT, python
 
 from SDFStentLib.beside import ProcessEnded, TreatmentProcess, treatment_process
+from SDFStentLib.beside.process import Shared
 from SDFStentLib.interpreter import own_program
 from SDFStentLib.plan import Case, Plan, TreatedCase, read_input_files
 from SDFStentLib.samples import sample
@@ -81,6 +83,32 @@ def test_what_both_hold_is_not_sent_again(vessel, process):
     assert found.treatment.surface.triangles is vessel.surface.triangles
     assert all(one is other for one, other in zip(found.found, vessel.lesions, strict=True))
     assert not found.treatment.surface.points.flags.writeable
+
+
+class Whole:
+    """An object in which something is kept as soon as its part is packed, as by another thread."""
+
+    def __init__(self):
+        self.part, self.name = Part(self), "whole"
+
+
+class Part:
+    def __init__(self, whole):
+        self.whole = whole
+
+    def __reduce__(self):
+        self.whole.kept_meanwhile = True
+        return str, ("packed",)
+
+
+def test_what_is_packed_may_be_given_more_by_another_thread():
+    shared = Shared()
+    for _turn in range(2):
+        others = [np.sqrt, Stent, len, os.path.join, HTTPStatus.OK, HTTPStatus, (1.5, "a")]
+        made = shared.unpacked(shared.packed([Whole(), np.arange(3), *others]))
+        assert (made[0].part, made[0].name) == ("packed", "whole")
+        assert np.array_equal(made[1], np.arange(3))
+        assert made[2:] == others
 
 
 def test_the_latest_comes_first(vessel, process):

@@ -8,6 +8,7 @@ is measured of it, to the bit as here.
 from __future__ import annotations
 
 import contextlib
+import copyreg
 import io
 import json
 import pickle
@@ -17,6 +18,7 @@ import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from multiprocessing.connection import Connection, Listener
+from types import BuiltinFunctionType, FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -112,6 +114,14 @@ class Shared:
             def persistent_id(self, one: Any) -> int | None:
                 return places.get(id(one))
 
+            def reducer_override(self, one: Any) -> Any:
+                if not _is_plain(one):
+                    return NotImplemented
+                make, how, state, *more = one.__reduce_ex__(PROTOCOL)
+                if isinstance(state, dict):  # a thread may keep more in it while it is packed
+                    state = dict(state)
+                return (make, how, state, *more)
+
         Pickler(stream, PROTOCOL).dump(message)
         return stream.getvalue()
 
@@ -124,6 +134,15 @@ class Shared:
                 return held[place]
 
         return Unpickler(io.BytesIO(content)).load()
+
+
+def _is_plain(one: Any) -> bool:
+    """Whether an object is packed as any other, and neither named nor in a way of its kind."""
+    kind = type(one)
+    ways = kind.__reduce_ex__, kind.__reduce__
+    is_named = isinstance(one, (type, FunctionType, BuiltinFunctionType))
+    is_usual = ways == (object.__reduce_ex__, object.__reduce__)
+    return is_usual and not is_named and kind not in copyreg.dispatch_table
 
 
 class TreatmentProcess:
