@@ -154,6 +154,7 @@ class Alternatives:
     def showPlan(self, parameterNode):
         """Show the nodes of a plan, and hide those of other plans only, of whatever vessel: the mouse takes the node it lies on.
 
+        Another vessel and its lines are hidden, too, where this plan has its own.
         Only what was hidden in this way is shown again: who hides a result himself finds it hidden.
         """
         sets = [self.parameterSet(node) for node in self.getAllParameterNodes()]
@@ -166,7 +167,9 @@ class Alternatives:
             Showing.changeBack(node, HIDDEN_ATTRIBUTE, True)
         beside = [one for one in self.alternatives(parameterNode) if one is not parameterNode]
         _showVessel(parameterNode, any(other.outputVessel is not None for other in beside))
+        chosen = parameterNode.vessel, parameterNode.centerline
         for other in others:
+            Showing.inPlaceOf((other.vessel, other.centerline), chosen)
             Showing.followPlan(other, parameterNode)
             if other.outputChart is not None:
                 Charts.fadeChart(other.outputChart, True)

@@ -124,14 +124,17 @@ def test_of_an_imported_plan_nothing_lies_on_the_one_that_is_shown(
     nodes = sorted(aDeployment.logic.getAllParameterNodes(), key=before.__contains__)
     came, shown = map(aDeployment.logic.parameterSet, nodes)
     assert came.vessel is not shown.vessel
-    assert not any(map(seen, drawn(came)))
-    assert all(map(seen, drawn(shown)))
+    assert not any(map(seen, [*drawn(came), came.vessel, came.centerline]))
+    assert all(map(seen, [*drawn(shown), shown.centerline]))
     if not isEntered:
         host.enter(aDeployment)
     aDeployment._switchTo(came)
     host.process()
-    assert all(map(seen, drawn(came)))
-    assert not any(map(seen, drawn(shown)))
+    assert all(map(seen, [*drawn(came), came.centerline]))
+    assert not any(map(seen, [*drawn(shown), shown.vessel, shown.centerline]))
+    aDeployment._switchTo(shown)
+    host.process()
+    assert all(map(seen, [*drawn(shown), shown.centerline]))
 
 
 def test_of_two_imported_plans_one_is_seen_when_the_module_is_opened(
