@@ -874,4 +874,8 @@ def test_the_branch_that_begins_in_a_patient_s_throat_is_told_as_an_independent_
     assert (
         f"{limb.branch_name}: 43 % (2.10 of 3.65 mm) -> 37 % (2.31 of" in facts.named("_left").words
     )
+    assert words in facts.named("_limbs").words
     assert facts.as_dict()["after"]["limbs"][0]["percent_diameter"] < 40
+    lost = replace(after.limbs[0], minimum_diameter=np.nan, percent_diameter=np.nan)
+    facts = treated_lesion_facts(TreatedLesion(1, lesion, replace(after, limbs=(lost,)), (1,)))
+    assert facts.named("_limbs").words.endswith("43 % (2.10 of 3.65 mm) -> not known.")

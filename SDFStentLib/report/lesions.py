@@ -50,7 +50,7 @@ def treated_lesion_facts(treated: TreatedLesion, units: str = "mm") -> Facts:
     against = f"Lesion {treated.number} against {before.reference}.{_left_note(treated)}"
     return Facts(
         (
-            *_facts(treated.number, before, units),
+            *_facts(treated.number, before, units, after),
             Fact("after.minimum.diameter_mm", after=after.minimum_diameter),
             Fact("after.minimum.area_mm2", after=after.minimum_area),
             Fact("after.percent_diameter", "after", after=after.percent_diameter, words=degree),
@@ -73,7 +73,7 @@ def _left_words(treated: TreatedLesion) -> str:
     return f"{degrees}{covered}.{_left_note(treated)}"
 
 
-def _facts(number: int, one: Lesion, units: str) -> Iterator[Fact]:
+def _facts(number: int, one: Lesion, units: str, after: Lesion | None = None) -> Iterator[Fact]:
     place, branch = np.array(one.point), one.branch + 1
     along = f"{one.branch_name}, {millimeters(one.branch_arc_length, 1)} along it"
     where = f"{along}; {point_words(one.point, units)}"
@@ -122,7 +122,7 @@ def _facts(number: int, one: Lesion, units: str) -> Iterator[Fact]:
     yield Fact("_whole", words=words, level=LINES)
     yield Fact("_reference", words=f"Reference: {one.reference}.", level=LINES)
     yield Fact("limbs", after=[_limb(limb) for limb in one.limbs])
-    yield Fact("_limbs", words=_limb_words(one))
+    yield Fact("_limbs", words=_limb_words(one, after))
 
 
 def _limb(limb: Lesion) -> dict[str, Any]:
@@ -147,6 +147,8 @@ def _limb_words(one: Lesion, after: Lesion | None = None) -> str:
 
 
 def _limb_degree(limb: Lesion) -> str:
+    if math.isnan(limb.percent_diameter):
+        return UNKNOWN
     sizes = f"{limb.minimum_diameter:.2f} of {millimeters(limb.reference_diameter)}"
     return degree_text(limb.percent_diameter, sizes)
 
