@@ -230,6 +230,7 @@ def test_the_panel_asks_the_plan_and_the_report_and_makes_no_stent_flow_or_treat
         *("plan", "beside", "report"),  # what is done, where, and what is told
         *("files", "geometry", "centerline", "lumen"),  # what nodes are, and are drawn as
         *("deformation", "certificate", "samples"),
+        "scan",  # how exact voxels are
     }
 
 

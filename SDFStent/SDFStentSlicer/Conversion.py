@@ -15,6 +15,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import (
+    VOXEL_ARRAY,
     add_arrays,
     inscribed_radius_from_polydata,
     lines_from_polydata,
@@ -52,6 +53,23 @@ def vesselPolyData(node, segmentID=""):
     copy = vtkPolyData()
     copy.DeepCopy(surface)
     return copy
+
+
+def halfVoxel(node, segmentID=""):
+    """Half the side of a cube as large as a voxel in world coordinates, mm, of a vessel that was made of voxels; None of another one."""
+    if node.IsA("vtkMRMLSegmentationNode"):
+        kind = slicer.vtkSegmentationConverter.GetSegmentationBinaryLabelmapRepresentationName()
+        segmentation = node.GetSegmentation()
+        isOfVoxels = segmentation.GetSourceRepresentationName() == kind
+        image = segmentation.GetSegment(segmentID).GetRepresentation(kind) if isOfVoxels else None
+        sides = None if image is None else image.GetSpacing()
+    else:
+        array = node.GetPolyData().GetFieldData().GetArray(VOXEL_ARRAY)
+        sides = None if array is None else vtk_to_numpy(array)
+    scale = scaleToWorld(node)
+    if sides is None or scale is None:
+        return None
+    return scale * float(np.prod(sides)) ** (1 / 3) / 2
 
 
 def stentMesh(node):

@@ -122,7 +122,11 @@ class Inputs:
         """The `LesionSearch` of vessel and centerline, the same object until one of them changes."""
         stamp = _stampOf(parameterNode)
         if stamp != self._lesions[0]:
-            self._lesions = (stamp, LesionSearch(lambda: self._bothInPortions(parameterNode)))
+            chosen = parameterNode.vessel, Conversion.segmentOf(parameterNode)
+            search = LesionSearch(
+                lambda: self._bothInPortions(parameterNode), lambda: Conversion.halfVoxel(*chosen)
+            )
+            self._lesions = (stamp, search)
         return self._lesions[1]
 
     def _bothInPortions(self, parameterNode):

@@ -2,7 +2,7 @@
 
 from slicer.i18n import tr as _
 
-from SDFStentLib.report import NO_LESION, lesion_facts
+from SDFStentLib.report import NO_LESION, lesion_facts, voxel_facts
 
 from . import Clock, Showing
 from .Desktop import desktop
@@ -33,6 +33,7 @@ class LesionTable:
         self._updating, self._marks = False, LesionMarks()
         self._run = SteppedRun(lambda _value: None, self._done)
         self._plotting = SteppedRun(lambda _value: None, self._onPlotted)
+        self._ranging = SteppedRun(lambda _value: None, self._onPlotted)
         self._timer = Clock.timer(self._begin, SETTLE_MS)
         desktop().fitColumns(ui.lesionTable)
         ui.lesionTable.connect("itemSelectionChanged()", self._selectionChanged)
@@ -46,7 +47,7 @@ class LesionTable:
     @property
     def isBusy(self):
         """Whether a search is under way or about to start."""
-        runs = self._run, self._plotting
+        runs = self._run, self._plotting, self._ranging
         return any(run.isRunning for run in runs) or self._timer.isActive()
 
     @property
@@ -97,6 +98,7 @@ class LesionTable:
         self._timer.stop()
         self._run.cancel()
         self._plotting.cancel()
+        self._ranging.cancel()
         self._search = None
         self._show("")
 
@@ -126,6 +128,7 @@ class LesionTable:
             said = "\n".join(filter(None, (search.remark, search.sentence)))
             self._show(said, search.found, "" if search.found or search.sentence else NO_LESION)
             if not search.sentence:
+                self._ranging.start(self._ranged(search))
                 self._onFound()
 
     def _show(self, sentence, lesions=(), state=""):
@@ -155,6 +158,21 @@ class LesionTable:
         self._offer()
         self.ui.lesionLabel.text = sentence
         self.ui.lesionLabel.visible = bool(sentence)
+
+    def _ranged(self, search):
+        """Tell how exact voxels let the lesions of a vessel be known; yields until that is known."""
+        found = yield from working(search.ranges())
+        for row in range(0 if found is None else len(search.found)):
+            one = found.of_lesion(row + 1)
+            tip = " ".join(voxel_facts(one).sentences)
+            for column, ((told,), digits) in enumerate(((one.stenoses, 0), (one.minima, 1)), 1):
+                item = self.ui.lesionTable.item(row, column)
+                low, high = told.before
+                item.setText(f"{item.text()} ({low:.{digits}f}-{high:.{digits}f})")
+            for column in range(self.ui.lesionTable.columnCount):
+                item = self.ui.lesionTable.item(row, column)
+                item.setToolTip(f"{item.toolTip()} {tip}")
+        yield 1.0
 
     def _reach(self, count):
         """Be as high as all rows need, as far as the window has room; what lies below moves only when a search ends."""

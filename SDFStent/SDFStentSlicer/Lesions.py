@@ -6,6 +6,7 @@ import numpy as np
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import flow_answer, flow_model, with_sections
+from SDFStentLib.scan import voxel_range
 from SDFStentLib.validation import InputError
 
 from .Portions import inPortions
@@ -84,9 +85,12 @@ class LesionSearch:
     `vessel` the library's `Vessel`.
     """
 
-    def __init__(self, inputs):
-        """`inputs()` is a generator that yields None in between and returns the remark and the library's `Vessel`."""
-        self._inputs = inputs
+    def __init__(self, inputs, halfVoxel):
+        """`inputs()` is a generator that yields None in between and returns the remark and the library's `Vessel`.
+
+        `halfVoxel()` is half a voxel, mm, of a vessel that was made of voxels, else None.
+        """
+        self._inputs, self._halfVoxel = inputs, halfVoxel
         self.found, self.sentence, self.remark = None, "", ""
         self.vessel = self._model = None
         self._around, self._sides, self.endNames = {}, None, ()
@@ -105,6 +109,13 @@ class LesionSearch:
             self.found = yield from inPortions(lambda: with_sections(vessel.lesions))
         except InputError as error:
             self.found, self.sentence = (), str(error)
+
+    def ranges(self):
+        """The library's `VoxelRange` of the lesions that were found; a generator that yields None until it is known, None without voxels."""
+        vessel, half = self.vessel, self._halfVoxel()
+        if not self.found or half is None:
+            return None
+        return (yield from inPortions(lambda: voxel_range(vessel, half)))
 
     def around(self, lesion):
         """The `Around` of a lesion that was found; a generator that yields None until it is known."""

@@ -72,6 +72,44 @@ def test_a_segment_comes_to_its_first_stent_by_three_clicks(host, aPanel, aScene
     assert "certified for meshing" in aPanel._parameterNode.certificateSummary
 
 
+@pytest.mark.parametrize("kind", ["segment", "model of voxels", "model"])
+def test_lesions_of_voxels_are_told_as_ranges(host, aPanel, aScene, kind):
+    from SDFStentSlicer import Conversion
+
+    from SDFStentLib.files import VOXEL_ARRAY
+    from SDFStentLib.scan import voxel_range
+
+    node = addTube(aScene)
+    host.process()
+    if kind != "segment":
+        (segmentID,) = node.GetSegmentation().GetSegmentIDs()
+        wall, node = Conversion.vesselPolyData(node, segmentID), None
+        if kind == "model of voxels":
+            sides = numpy_to_vtk(np.full(3, 0.7), deep=True)
+            sides.SetName(VOXEL_ARRAY)
+            wall.GetFieldData().AddArray(sides)
+        node = aScene.AddNewNodeByClass("vtkMRMLModelNode", "Wall")
+        node.SetAndObservePolyData(wall)
+        node.CreateDefaultDisplayNodes()
+        aPanel.ui.vesselSelector.setCurrentNode(node)
+    made(host, aPanel)
+    settle(host, aPanel)
+    cells = [aPanel.ui.lesionTable.item(0, column) for column in range(4)]
+    search = aPanel.logic.lesionSearch(aPanel._parameterNode)
+    (lesion,) = search.found
+    assert cells[3].text() == f"{lesion.length:.0f} mm"
+    told = [f"{lesion.percent_diameter:.0f} %", f"{lesion.minimum_diameter:.1f} mm"]
+    if kind == "model":
+        assert [cell.text() for cell in cells[1:3]] == told
+        return
+    found = voxel_range(search.vessel, 0.35)
+    (low, high), (least, most) = found.stenoses[0].before, found.minima[0].before
+    assert low < lesion.percent_diameter < high
+    told = [f"{told[0]} ({low:.0f}-{high:.0f})", f"{told[1]} ({least:.1f}-{most:.1f})"]
+    assert [cell.text() for cell in cells[1:3]] == told
+    assert all("half a voxel (0.35 mm) in or out" in cell.toolTip() for cell in cells)
+
+
 def test_a_segmentation_of_several_is_asked_about(host, aPanel, aScene):
     node = addTube(aScene)
     node.GetSegmentation().AddEmptySegment("other")

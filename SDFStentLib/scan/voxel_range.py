@@ -46,6 +46,11 @@ class VoxelRange(NamedTuple):
     drops: tuple[Ranged, ...] = ()
     """Recovered pressure drops at the mean flow, mmHg."""
 
+    def of_lesion(self, number: int) -> VoxelRange:
+        """What is told of one lesion, by number from 1."""
+        chosen = slice(number - 1, number)
+        return VoxelRange(self.half, self.minima[chosen], self.stenoses[chosen])
+
 
 def voxel_range(vessel: Vessel, half: float) -> VoxelRange:
     """The range of a vessel's lesions.
