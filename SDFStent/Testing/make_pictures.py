@@ -24,6 +24,8 @@ VIEW_SIZE = (700, 520)
 PLOT_SIZE = (760, 420)
 MOVING_SIZE = (560, 416)
 MARGIN = 12
+REST = 0.5
+"""Rest of the view, s: the numbers of lesions follow it then."""
 NESTED = {
     **dict.fromkeys(("place", "device", "shape", "advanced"), "stents"),
     **dict.fromkeys(("flow", "plans"), "results"),
@@ -56,7 +58,8 @@ class Studio:
     def take(self, name, *sections):
         """Save a picture: these sections of the panel (all others closed) at the left, the 3D view at the right."""
         self._open(sections)
-        self.host.process(0.05)
+        self.view.render()
+        self.host.process(REST)
         self.host.processUntil(lambda: not self.panel.ends.isBusy)
         root = self.panel.ui.inputsCollapsibleButton.parentWidget()
         top, bottom = (
