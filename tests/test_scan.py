@@ -6,11 +6,13 @@ import struct
 
 import numpy as np
 import pytest
+import round_tubes
 import SimpleITK
 from scipy import ndimage
 from segmentations import FORK, named, voxels, write
 
 from benchmarks.voxels import errors, voxel_tube
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.certificate import check_surface, self_intersecting_triangles
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_lines, read_surface
@@ -24,6 +26,7 @@ from SDFStentLib.scan import (
     wall_distance,
 )
 from SDFStentLib.scan.contour import unfolded
+from SDFStentLib.scan.ends import flat_ends, round_ends_of
 from SDFStentLib.scan.wall_distance import BESIDE, SHARE, WIDTHS
 from SDFStentLib.validation import InputError
 
@@ -108,6 +111,23 @@ def test_the_ends_are_flat_and_named_the_widest_is_the_inlet(vessel):
         across = np.linalg.svd(middle - middle.mean(axis=0))[2][2]
         assert np.abs((corners - middle.mean(axis=0)) @ across).max() < 1e-6
     assert set(vessel.faces.names.values()) == {"inlet", "outlet_1", "outlet_2", "wall"}
+
+
+def test_a_wide_trunk_is_cut_though_its_lines_part_at_once():
+    """As in a patient's main artery, 17 mm wide, whose lines part 3 mm from its tip."""
+    trunk = [(0, 0, 0), (0, 0, 1)]
+    right = [(0.6, 0, 3), (0.6, 0, 10), (0.6, 0, 20), (3, 0, 32), (11, 0, 48)]
+    left = [(-x, y, z) for x, y, z in right]
+    points = np.array([*trunk, *right, *left], dtype=float)
+    parent = np.array([-1, 0, 1, 2, 3, 4, 5, 1, 7, 8, 9, 10])
+    tree = Centerline(points, np.where(points[:, 2] < 22, 3.9, 2.6), parent)
+    ends = round_ends_of(tree, [])
+    found = flat_ends(round_tubes.contoured(FORK, 0.6), tree, ends, None)
+    assert None not in found.planes
+    inlet, *outlets = (face for face in found.segment.faces if face.kind != "wall")
+    assert inlet.name == "inlet"
+    assert 2 * np.sqrt(inlet.area / np.pi) == pytest.approx(8.0, abs=0.2)
+    assert all(face.area < inlet.area for face in outlets)
 
 
 def test_the_surface_is_closed_and_wound_outward(vessel):

@@ -156,24 +156,30 @@ class _FoundPlane(NamedTuple):
 
 
 def _plane(finder: PlaneFinder, end: RoundEnd) -> _FoundPlane | None:
-    """The first plane from an end inward that meets its vessel alone."""
+    """The first plane from an end inward that meets its vessel alone, at its whole width.
+
+    Where lines part at once, as in a wide trunk, the last one before that.
+    """
     if end.border is not None:
         at = _crossing(end.line.points, end.border)
         if (found := _found(finder, at, end.border.normal)) is not None:
             return found
         if end.border.beyond(end.line.points[-1]) > 0:
             return None
-    line = end.line
+    line, early = end.line, []
     for tried in finder.steps(line):
         if tried.along > WITHIN * line.length:
-            return None
-        is_early = tried.along < INSIDE * end.radius
-        if end.border is not None:
-            is_early = end.border.beyond(tried.place) > 0
-        if not is_early:
-            found = _found(finder, tried.place, tried.direction)
-            if found is not None:
-                return found
+            break
+        if end.border is not None and end.border.beyond(tried.place) > 0:
+            continue
+        if end.border is None and tried.along < INSIDE * end.radius:
+            early.append(tried)
+            continue
+        if (found := _found(finder, tried.place, tried.direction)) is not None:
+            return found
+    for tried in reversed(early):
+        if (found := _found(finder, tried.place, tried.direction)) is not None:
+            return found
     return None
 
 
