@@ -22,8 +22,8 @@ def circle(radius, count=40):
     return radius * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
 
 
-def contoured(pieces, spacing):
-    """The surface of a union of pieces, contoured on a grid (mm)."""
+def contoured(pieces, spacing, is_mask=False):
+    """The surface of a union of pieces, contoured on a grid (mm); of a mask it has terraces."""
     widest = max(max(first, last) for _, _, first, last in pieces)
     corners = np.array([end for one, other, _, _ in pieces for end in (one, other)], dtype=float)
     margin = widest + 3 * spacing
@@ -36,7 +36,9 @@ def contoured(pieces, spacing):
     image.SetDimensions(*counts.tolist())
     image.SetOrigin(*low)
     image.SetSpacing(spacing, spacing, spacing)
-    image.GetPointData().SetScalars(numpy_to_vtk(away(places, pieces), deep=True))
+    values = away(places, pieces)
+    values = np.where(values < 0, -0.5, 0.5) if is_mask else values
+    image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
     contour, clean = vtk.vtkFlyingEdges3D(), vtk.vtkCleanPolyData()
     contour.SetInputData(image)
     contour.SetValue(0, 0.0)

@@ -279,6 +279,19 @@ def test_the_widest_end_is_the_inlet_though_a_narrow_one_is_open():
     np.testing.assert_allclose(named.points[named.roots], [end.center], atol=0.1)
 
 
+@pytest.mark.parametrize("spacing", [0.6, 0.8, 1.0])
+def test_terraces_of_voxels_are_no_ends(spacing):
+    """In the surface of a mask as it is every second terrace of vessels aslant passed for a flat
+    end: there were up to 220, each with a line."""
+    pieces = chain([(0, 0, 0), (20, 0, 36)], 4.5) + chain([(10, 0, 18), (-8, 3, 36)], 3.0)
+    surface = contoured(pieces, spacing, is_mask=True)
+    assert vessel_ends(surface) == []
+    found = extract_centerline(surface).centerline
+    assert len(found.leaves) == 2
+    tips = cKDTree([(0, 0, 0), (20, 0, 36), (-8, 3, 36)])
+    assert tips.query(found.points[[*found.roots, *found.leaves]])[0].max() < 3.0
+
+
 def roughened(surface, kind, random):
     """The points of a closed surface with noise, or smoothed all over as if there were no rims."""
     if kind == "noise":

@@ -15,7 +15,7 @@ import numpy as np
 from ..geometry import Surface, SurfaceIndex, closest_on_segments, norm
 from ..validation import Flags, Floats, Indices, Points
 from .spheres import known_index
-from .tolerances import ASKEW, OWN_WIDTH, ROUNDING
+from .tolerances import ALIKE, ASKEW, OWN_WIDTH, ROUNDING
 
 _RAYS = 64
 _BELOW = 0.01
@@ -35,14 +35,21 @@ class Spot(NamedTuple):
     """and to the farthest place."""
     faces: Indices
     """Indices of the triangles of the surface that lie in it."""
+    side: float
+    """The mean length of the pieces of its border, mm."""
+
+    @property
+    def is_round(self) -> bool:
+        """Whether it is wider for its pieces than a square or a strip, as five sides make it."""
+        return self.narrow > ALIKE * self.side / 2
 
 
 def spot(points: Points, rim: Indices, across: Floats, faces: Indices, center: Floats) -> Spot:
     """The spot with a given border, edges (k, 2) of a surface."""
     start, stop = points[rim[:, 0]], points[rim[:, 1]]
     places = closest_on_segments(start, stop, center[None])
-    narrow = float(places.distances[0])
-    return Spot(center, across, narrow, float(norm(start - center).max()), faces)
+    narrow, side = float(places.distances[0]), float(norm(stop - start).mean())
+    return Spot(center, across, narrow, float(norm(start - center).max()), faces, side)
 
 
 def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
@@ -65,8 +72,14 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     middles = centers + 2 * narrow[:, None] * inward
     spans = (within != beyond) & _meet_wall(index, spot_of, middles, OWN_WIDTH * narrow)
     for row in np.flatnonzero(spans).tolist():
-        wall = _near(index, spot_of, row, centers[row], 2 * spots[own[row]].wide)
-        found[own[row]] = _goes_on(wall, centers[row], inward[row], 2 * spots[own[row]].wide)
+        one = spots[own[row]]
+
+        def free(reach: float, row: int = row) -> float:
+            wall = _near(index, spot_of, row, centers[row], reach)
+            return _free(wall, centers[row], inward[row], reach)
+
+        # A terrace of voxels has few sides as a coarse vessel has, which is narrow farther down.
+        found[own[row]] = free(2 * one.wide) > 0 and (one.is_round or free(4 * one.narrow) <= 0.5)
     return found
 
 
@@ -89,8 +102,8 @@ def _near(
     return index.corners[triangle[spot_of[triangle] != number]]
 
 
-def _goes_on(corners: Floats, center: Floats, inward: Floats, reach: float) -> bool:
-    """Whether some straight line from the center of a spot into the lumen is as long as `reach`.
+def _free(corners: Floats, center: Floats, inward: Floats, reach: float) -> float:
+    """Share of straight lines from the center of a spot into the lumen that are as long as `reach`.
 
     Lines meet triangles (j, 3, 3) as in Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle
     Intersection, J Graph Tools 2 (1997).
@@ -107,7 +120,7 @@ def _goes_on(corners: Floats, center: Floats, inward: Floats, reach: float) -> b
         length = (from_first * normal).sum(axis=1) * scale
         is_met = (s >= -ROUNDING) & (t >= -ROUNDING) & (s + t <= 1 + ROUNDING)
         is_met &= (length > 0) & (length <= reach)
-    return not bool(is_met.any(axis=1).all())
+    return 1.0 - float(is_met.any(axis=1).mean())
 
 
 def _cone(inward: Floats) -> Points:
