@@ -113,16 +113,18 @@ def _facts(number: int, one: Lesion, units: str, after: Lesion | None = None) ->
         width = side.diameter if side else math.nan
         yield Fact(after=width, column=f"{name}_diameter_mm")
     yield Fact("reference.words", after=one.reference, column="reference")
+    limbs = ", ".join(degree_word(limb.percent_diameter) for limb in one.limbs)
+    beside = f"; other vessels in its throat: {limbs}" if limbs else ""
     words = (
         f"Lesion {number}: {degrees_text(one.percent_diameter, one.percent_area)}; "
         f"{one.branch_name}, {one.arc_length:.1f} mm from the proximal end, at "
         f"{coordinates(place / MILLIMETERS[units])} {units}; {one.length:.1f} mm long; minimum "
-        f"{minimum:.2f} mm against {reference:.2f} mm. {_limb_words(one)}"
-    ).rstrip()
+        f"{minimum:.2f} mm against {reference:.2f} mm{beside}."
+    )
     yield Fact("_whole", words=words, level=LINES)
     yield Fact("_reference", words=f"Reference: {one.reference}.", level=LINES)
     yield Fact("limbs", after=[_limb(limb) for limb in one.limbs])
-    yield Fact("_limbs", words=_limb_words(one, after))
+    yield Fact("_limbs", words=_limb_words(one, after), level=LINES)
 
 
 def _limb(limb: Lesion) -> dict[str, Any]:
@@ -215,8 +217,8 @@ def lesion_lines(
         return [*told, more + remedies[1]]
     lines = []
     for number in large:
-        first, second = lesion_facts(number, lesions[number - 1], units).sentences
-        lines += [first, f"  {second}"]
+        first, *others = lesion_facts(number, lesions[number - 1], units).sentences
+        lines += [first, *(f"  {other}" for other in others)]
     if small:
         more = "more " if large else ""
         lines.append(f"{len(small)} {more}{below}{remedies[0]}.")
