@@ -17,6 +17,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import (
     VOXEL_ARRAY,
     add_arrays,
+    half_voxel,
     inscribed_radius_from_polydata,
     lines_from_polydata,
     surface_from_polydata,
@@ -62,14 +63,12 @@ def halfVoxel(node, segmentID=""):
         segmentation = node.GetSegmentation()
         isOfVoxels = segmentation.GetSourceRepresentationName() == kind
         image = segmentation.GetSegment(segmentID).GetRepresentation(kind) if isOfVoxels else None
-        sides = None if image is None else image.GetSpacing()
+        half = None if image is None else half_voxel(image.GetSpacing())
     else:
         array = node.GetPolyData().GetFieldData().GetArray(VOXEL_ARRAY)
-        sides = None if array is None else vtk_to_numpy(array)
+        half = None if array is None else half_voxel(vtk_to_numpy(array))
     scale = scaleToWorld(node)
-    if sides is None or scale is None:
-        return None
-    return scale * float(np.prod(sides)) ** (1 / 3) / 2
+    return None if half is None or scale is None else scale * half
 
 
 def stentMesh(node):

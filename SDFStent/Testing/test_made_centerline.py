@@ -110,6 +110,21 @@ def test_lesions_of_voxels_are_told_as_ranges(host, aPanel, aScene, kind):
     assert all("half a voxel (0.35 mm) in or out" in cell.toolTip() for cell in cells)
 
 
+@pytest.mark.parametrize("sides", [(0.0, 0.7, 0.7), (0.7,), (0.7, 0.7, 0.7, 2.0)])
+def test_sizes_that_are_none_of_a_voxel_make_no_ranges(host, aScene, sides):
+    """Ranges came of any number of sizes, and of a voxel without size, which the shell refuses."""
+    from SDFStentSlicer import Conversion
+
+    from SDFStentLib.files import VOXEL_ARRAY
+
+    node = aScene.AddNewNodeByClass("vtkMRMLModelNode", "Wall")
+    wall, array = vtk.vtkPolyData(), numpy_to_vtk(np.array(sides), deep=True)
+    array.SetName(VOXEL_ARRAY)
+    wall.GetFieldData().AddArray(array)
+    node.SetAndObservePolyData(wall)
+    assert Conversion.halfVoxel(node) is None
+
+
 def test_a_segmentation_of_several_is_asked_about(host, aPanel, aScene):
     node = addTube(aScene)
     node.GetSegmentation().AddEmptySegment("other")

@@ -46,6 +46,7 @@ from .same_space import check_same_space as check_same_space
 from .same_space import size_warnings as size_warnings
 from .surface_files import VOXEL_ARRAY as VOXEL_ARRAY
 from .surface_files import SurfaceFile as SurfaceFile
+from .surface_files import half_voxel as half_voxel
 from .surface_files import read_surface as read_surface
 from .surface_output import check_surface_output as check_surface_output
 from .surface_output import write_new_surface as write_new_surface

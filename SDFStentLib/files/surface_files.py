@@ -41,6 +41,16 @@ _PLAIN_DECODERS: dict[str, Decoder] = {
 }
 
 
+def half_voxel(sides: ArrayLike) -> float | None:
+    """Half the side of a cube as large as a voxel of three sides, in their unit.
+
+    None for another number of sides, or for a voxel without size.
+    """
+    found = np.asarray(sides, dtype=float).ravel()
+    volume = float(np.prod(found))
+    return volume ** (1 / 3) / 2 if len(found) == 3 and volume > 0 else None
+
+
 @dataclass(frozen=True)
 class SurfaceFile:
     """A surface as its file has it.
@@ -98,10 +108,8 @@ class SurfaceFile:
     def half_voxel(self) -> float | None:
         """Half the side of a cube as large as a voxel, mm, of a surface from voxels; else None."""
         sides = self._polydata.GetFieldData().GetArray(VOXEL_ARRAY)
-        if sides is None or sides.GetNumberOfValues() != 3:
-            return None
-        volume = float(np.prod(vtk_to_numpy(sides), dtype=float))
-        return millimeters_per(self.units) * volume ** (1 / 3) / 2 if volume > 0 else None
+        half = half_voxel(() if sides is None else vtk_to_numpy(sides))
+        return None if half is None else millimeters_per(self.units) * half
 
     def polydata(self) -> vtkPolyData:
         """A copy of the polydata in the unit of the file, with all its arrays."""
