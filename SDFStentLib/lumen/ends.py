@@ -8,6 +8,7 @@ The facets of a coarse wall, its steps and its slivers fail one or the other.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,9 @@ from .spheres import known_index
 from .tolerances import ALIKE, ASKEW, OWN_WIDTH, ROUNDING
 
 _RAYS = 64
+_DOWN = 4.0
+"""Radii of a spot of few sides within which most lines into a coarse vessel meet its wall."""
+
 _BELOW = 0.01
 """Distance from a spot, as a share of its narrow radius, at which its inner side is looked for."""
 
@@ -73,13 +77,10 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     spans = (within != beyond) & _meet_wall(index, spot_of, middles, OWN_WIDTH * narrow)
     for row in np.flatnonzero(spans).tolist():
         one = spots[own[row]]
-
-        def free(reach: float, row: int = row) -> float:
-            wall = _near(index, spot_of, row, centers[row], reach)
-            return _free(wall, centers[row], inward[row], reach)
-
+        free = partial(_free, index, spot_of, row, centers[row], inward[row])
         # A terrace of voxels has few sides as a coarse vessel has, which is narrow farther down.
-        found[own[row]] = free(2 * one.wide) > 0 and (one.is_round or free(4 * one.narrow) <= 0.5)
+        is_narrow = one.is_round or free(_DOWN * one.narrow) <= 0.5
+        found[own[row]] = is_narrow and free(2 * one.wide) > 0
     return found
 
 
@@ -94,20 +95,21 @@ def _meet_wall(index: SurfaceIndex, spot_of: Indices, middles: Points, radii: Fl
     return found
 
 
-def _near(
-    index: SurfaceIndex, spot_of: Indices, number: int, center: Floats, reach: float
-) -> Floats:
-    """Corners (j, 3, 3) of the triangles near a spot that are not its own."""
-    triangle = index.near(center[None], np.array([reach])).triangle
-    return index.corners[triangle[spot_of[triangle] != number]]
+def _free(
+    index: SurfaceIndex,
+    spot_of: Indices,
+    number: int,
+    center: Floats,
+    inward: Floats,
+    reach: float,
+) -> float:
+    """Share of straight lines from a spot's center into the lumen as long as `reach`, mm.
 
-
-def _free(corners: Floats, center: Floats, inward: Floats, reach: float) -> float:
-    """Share of straight lines from the center of a spot into the lumen that are as long as `reach`.
-
-    Lines meet triangles (j, 3, 3) as in Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle
-    Intersection, J Graph Tools 2 (1997).
+    Lines meet triangles that are not the spot's own as in Moeller and Trumbore, Fast, Minimum
+    Storage Ray/Triangle Intersection, J Graph Tools 2 (1997).
     """
+    triangle = index.near(center[None], np.array([reach])).triangle
+    corners = index.corners[triangle[spot_of[triangle] != number]]
     ways = _cone(inward)
     first = corners[:, 0]
     u, v = corners[:, 1] - first, corners[:, 2] - first

@@ -9,7 +9,7 @@ At a fork several vessels share a throat, which is that of the one from which th
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -164,12 +164,16 @@ def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[Fo
         for number, way in ((number, ways[number]) for number in asked)
         for narrow in narrowings(way.run, own=way.own, leaving=way.leaving)
     ]
-    going_on = Counter(id(above) for one, above in product(every, every) if one.continues(above))
+    onward: dict[int, list[FoundNarrowing]] = defaultdict(list)
+    for one, above in product(every, every):
+        if one.continues(above):
+            onward[id(above)].append(one)
     kept: list[FoundNarrowing] = []
     throats: dict[int, FoundNarrowing] = {}
     for one in sorted(every, key=lambda one: (one.way.rank, -one.narrow.degree)):
-        onward = (other for other in every if going_on[id(one)] == 1 and other.continues(one))
-        throat = next(onward, None) or next((other for other in kept if other.holds(one)), None)
+        throat = next((other for other in kept if other.holds(one)), None)
+        if len(onward[id(one)]) == 1:
+            (throat,) = onward[id(one)]
         if throat is None:
             kept.append(one)
         else:

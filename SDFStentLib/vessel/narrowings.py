@@ -17,7 +17,7 @@ import numpy as np
 from ..centerline import USUAL
 from ..validation import Floats
 from .caliber import ANEURYSM, KEPT, Caliber, caliber_of
-from .runs import LOCAL, MURRAY_EXPONENT, Leaving, VesselRun
+from .runs import LOCAL, MURRAY_EXPONENT, Leaving, VesselRun, left_by
 
 SMALLEST_DEGREE = 0.15
 """Persistence of a narrowing, of the diameter; less is the unevenness of healthy vessels and of
@@ -258,12 +258,11 @@ def _left(
     """
     if before is None or after is None:
         return
-    taken, least = 0.0, min(before.diameter, after.diameter)
+    least, passed = min(before.diameter, after.diameter), list[float]()
     for one in leaving:
         if before.arc_length < one.arc_length < after.arc_length:
-            taken += one.caliber**MURRAY_EXPONENT
-            rest = max(before.diameter**MURRAY_EXPONENT - taken, 0.0) ** (1 / MURRAY_EXPONENT)
-            yield Plateau(one.arc_length, max(rest, least))
+            passed.append(one.caliber)
+            yield Plateau(one.arc_length, max(left_by(before.diameter, passed), least))
 
 
 def _side(caliber: Caliber, at: int, way: int) -> tuple[Floats, Floats, Floats]:

@@ -118,6 +118,12 @@ def vessel_runs(lumens: Sequence[BranchLumen], limbs: Collection[int] = ()) -> l
     return found
 
 
+def left_by(width: float, others: Sequence[float]) -> float:
+    """Width of a vessel beyond others that leave it, by the rule of flow; 0 where they take all."""
+    left = width**MURRAY_EXPONENT - sum(other**MURRAY_EXPONENT for other in others)
+    return max(left, 0.0) ** (1 / MURRAY_EXPONENT)
+
+
 def _usual_near(diameter: Floats, distance: Floats, otherwise: float) -> float:
     """The usual one of the diameters (n,) that are not far from a junction; NaN are unknown."""
     near = diameter[distance <= LOCAL * diameter]
@@ -143,8 +149,7 @@ def _continuation(tree: LumenTree, chain: Sequence[int]) -> int | None:
         return None
     first, *others = sorted((float(tree.calibers[number]) for number in children), reverse=True)
     here = max(_local_caliber(tree, chain), first)
-    left = here**MURRAY_EXPONENT - sum(other**MURRAY_EXPONENT for other in others)
-    expected = max(left, 0.0) ** (1 / MURRAY_EXPONENT)
+    expected = left_by(here, others)
     # A branch of which nothing is known may be as wide.
     is_twig = not others or 0 < others[0] < SAME_CALIBER * first
     ends = first < (CONTINUES * expected if is_twig else SAME_CALIBER * here)
