@@ -3,6 +3,7 @@
 from SDFStentLib.validation import InputError
 
 from . import Clock, Plans
+from .ParameterNode import stentsOf
 from .Transforms import matrixToWorld
 
 SETTLE_MS = 400
@@ -35,8 +36,10 @@ class History:
         return True
 
     def _stepNow(self):
-        """The plan without its files, by which it is compared, and with them."""
-        return [Plans.textOf(self.parameterNode, hasFiles) for hasFiles in (False, True)]
+        """The plan without its files, by which it is compared, and with them; and the balloons as they were set."""
+        texts = (Plans.textOf(self.parameterNode, hasFiles) for hasFiles in (False, True))
+        balloons = [stent.draft.entry["balloon"] for stent in stentsOf(self.parameterNode)]
+        return *texts, balloons
 
     @property
     def document(self):
@@ -53,7 +56,11 @@ class History:
             steps = max(steps, 0)  # back to what was kept last
         if self.mayGo(steps):
             self._at += steps
-            Plans.restore(self._steps[self._at][1], self.parameterNode)
+            _, text, balloons = self._steps[self._at]
+            Plans.restore(text, self.parameterNode)
+            # The text has a lumen and the balloon that leaves it, and not which of them was set last.
+            asSet = {f"stents.{at}.balloon": one for at, one in enumerate(balloons)}
+            self.parameterNode.change(asSet)
             self._steps[self._at] = self._stepNow()
 
 

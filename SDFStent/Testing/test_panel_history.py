@@ -127,6 +127,25 @@ def test_a_stent_that_was_moved_goes_back_with_the_recoil_that_the_rule_found_la
     assert isSame(stateOf(aStent), first)
 
 
+def test_a_lumen_that_was_set_last_stays_so(host, aStent):
+    """Where the rule finds another recoil the balloon follows, not the lumen that is prescribed."""
+    parameters, ui, recoil = aStent._parameterNode, aStent.ui, aStent.recoil
+    ui.balloonCheckBox.checked = True
+    ui.balloonSlider.value = 13.0
+    host.processUntil(lambda: not recoil.isBusy)
+    for slider, value in ((ui.diameterSlider, 9.0), (ui.lengthSlider, 11.0)):
+        slider.value = value
+        host.processUntil(lambda: not recoil.isBusy)
+        rest(host, aStent)
+    for button in (ui.undoButton, ui.redoButton, ui.undoButton):
+        host.click(button)
+        host.processUntil(lambda: not recoil.isBusy)
+        assert parameters.stent.draft.is_lumen_set
+        assert ui.diameterSlider.value == 9.0
+    host.click(ui.undoButton)
+    assert not parameters.stent.draft.is_lumen_set
+
+
 def test_what_a_deployment_finds_of_the_flow_is_no_step(host, aStent):
     """It takes away the place of the right branch when it begins, and finds it again in the end."""
     ui, parameters = aStent.ui, aStent._parameterNode
