@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cautions import Caution
-from ..geometry import NO_HEIGHT, compacted, dot, face_normals, faces_at, paired_sides
+from ..geometry import (
+    NO_HEIGHT,
+    compacted,
+    dot,
+    face_normals,
+    faces_at,
+    in_blocks,
+    paired_sides,
+)
 from ..validation import Flags, Floats, Indices, Place, Points, Triangles, as_place, read_only
 
 _ROUNDING = 8 * 2.0**-53
@@ -42,15 +50,21 @@ def degenerate_triangles(
     opposite side, differ by the last bit of the numbers from which they were computed.
     """
     judged = np.arange(len(triangles)) if among is None else among
-    corners = triangles.take(judged, axis=0)
-    lengths, areas = _sides_and_areas(points, corners)
-    largest = np.abs(points.take(corners.ravel(), axis=0)).reshape(-1, 9).max(axis=1, initial=0.0)
-    return judged[areas <= np.maximum(_ROUNDING * largest, NO_HEIGHT * lengths[2]) * lengths[2]]
+
+    columns = np.ascontiguousarray(points.T)
+
+    def lacks_height(block: Triangles) -> Flags:
+        corners = _corners(columns, block)
+        lengths, areas = _sides_and_areas(corners)
+        least = np.maximum(_ROUNDING * np.abs(corners).max(axis=(0, 1)), NO_HEIGHT * lengths[2])
+        return areas <= least * lengths[2]
+
+    return judged[in_blocks(lacks_height, triangles.take(judged, axis=0))]
 
 
 def smallest_angles(points: Points, triangles: Triangles) -> Floats:
     """Smallest angle (m,) of every triangle, degrees; 0 for one without area."""
-    lengths, areas = _sides_and_areas(points, triangles)
+    lengths, areas = _sides_and_areas(_corners(np.ascontiguousarray(points.T), triangles))
     # The smallest angle lies between the two longer sides.
     between = lengths[1] * lengths[2]
     sine = np.divide(areas, between, out=np.zeros(len(areas)), where=between > 0)
@@ -124,11 +138,15 @@ def _folded_flat(points: Points, triangles: Triangles, doubtful: Flags) -> Indic
     return folded[doubtful[folded]]
 
 
-def _sides_and_areas(
-    points: Points, triangles: Triangles
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _corners(columns: Floats, triangles: Triangles) -> Floats:
+    """Corners of triangles (corner, coordinate, triangle), by columns (3, n) of the points."""
+    corners = np.ascontiguousarray(triangles.T)
+    return np.stack([columns.take(corner, axis=1) for corner in corners])
+
+
+def _sides_and_areas(corners: Floats) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Side lengths (3, m) in ascending order, and twice the areas (m,)."""
-    first, second, third = points.take(triangles.T, axis=0).swapaxes(1, 2)
+    first, second, third = corners
     (ux, uy, uz), side, (vx, vy, vz) = second - first, third - second, first - third
     u, v, w = (np.sqrt(x * x + y * y + z * z) for x, y, z in ((ux, uy, uz), (vx, vy, vz), side))
     low, high = np.minimum(u, v), np.maximum(u, v)

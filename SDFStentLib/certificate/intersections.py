@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import boundary_edges, compacted, connected, may_meet_box, used_points
+from ..geometry import boundary_edges, compacted, connected, in_blocks, may_meet_box, used_points
 from ..validation import Flags, Floats, Indices, InputError, Points, Triangles
 from .triangle_contact import certain_contact, exact_contact, first_shared
 from .triangle_pairs import face_boxes, overlapping_pairs
@@ -180,7 +180,8 @@ def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
     ring and go round once: then they lie side by side. A face is clear when this holds at all
     its corners, with all faces there among those given.
     """
-    normals, certainty = _axis_areas(columns, corners)
+    found = in_blocks(lambda block: _axis_areas(columns, block.T), corners.T)
+    normals, certainty = found[:3], found[3]
     count = columns.shape[1]
     at = corners.ravel()
 
@@ -208,18 +209,16 @@ def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
     return np.asarray(first & second & third)
 
 
-def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> tuple[NDArray, NDArray]:
-    """Twice the areas (3, b) seen along each axis, and a bound on their rounding."""
+def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> NDArray[np.float64]:
+    """Twice the areas (b,) seen along each axis, and a bound on their rounding, in rows (4, b)."""
     first, second, third = (columns.take(corner, axis=1) for corner in corners)
     one, other = second - first, third - first
-    areas = np.stack(
-        [
-            one[(k + 1) % 3] * other[(k + 2) % 3] - one[(k + 2) % 3] * other[(k + 1) % 3]
-            for k in range(3)
-        ]
-    )
+    areas = [
+        one[(k + 1) % 3] * other[(k + 2) % 3] - one[(k + 2) % 3] * other[(k + 1) % 3]
+        for k in range(3)
+    ]
     size = np.maximum(np.abs(one).max(axis=0), np.abs(other).max(axis=0))
-    return areas, _FLAT * size**2
+    return np.stack([*areas, _FLAT * size**2])
 
 
 def _by_shared_corners(

@@ -15,10 +15,10 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
-from ..geometry import NO_HEIGHT, NamedFaces, Precision, Surface, dot
+from ..geometry import NO_HEIGHT, NamedFaces, Precision, Surface, dot, in_blocks
 from ..surface_formats import READ_SUFFIXES
 from ..units import Frame, millimeters_per
-from ..validation import InputError, Points, Triangles, as_points
+from ..validation import Floats, InputError, Points, Triangles, as_points
 from .composition import composition_warnings
 from .content import FileContent, frame_in_text
 from .formats import read_vtk_polydata
@@ -239,9 +239,12 @@ def _check_arrays(polydata: vtkPolyData, name: str) -> None:
 
 
 def _degenerate(surface: Surface, name: str) -> tuple[Caution, ...]:
-    corners = [surface.points.take(corner, axis=0) for corner in surface.corners]
-    edges = [corners[k] - corners[k - 1] for k in range(3)]
-    longest = np.maximum.reduce([dot(edge, edge) for edge in edges])
+    def longest_squared(triangles: Triangles) -> Floats:
+        corners = [surface.points.take(corner, axis=0) for corner in triangles.T]
+        edges = [corners[k] - corners[k - 1] for k in range(3)]
+        return np.maximum.reduce([dot(edge, edge) for edge in edges])
+
+    longest = in_blocks(longest_squared, surface.triangles)
     count = int((2 * surface.face_areas <= NO_HEIGHT * longest).sum())
     found = Caution("degenerate-triangles", {"triangles": count}, label=f"{name}: ")
     return (found,) if count else ()

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..validation import Floats, Indices, Points, Triangles
 from .near_balls import Balls
-from .rows import dot, norm, used_points
+from .rows import dot, in_blocks, norm, used_points
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -210,22 +210,13 @@ class SurfaceIndex:
     def __init__(self, points: Points, triangles: Triangles) -> None:
         # `take` copies rows several times quicker than an index in brackets does; so below.
         self.corners: Floats = points.take(triangles, axis=0)
-        # Coordinates in rows of their own, (coordinate, corner, triangle), as above.
-        arms = np.ascontiguousarray(points.T).take(
-            np.ascontiguousarray(np.transpose(triangles)), axis=1
-        )
-        middles = (arms[:, 0] + arms[:, 1] + arms[:, 2]) / 3.0
-        arms -= middles[:, None]
-        self.centroids: Points = np.ascontiguousarray(middles.T)
-        self.disc_radii: Floats = np.sqrt(_dot(arms, arms).max(axis=0))
+        columns = np.ascontiguousarray(points.T)
+        found = in_blocks(lambda block: _discs(columns, block), triangles)
+        self.centroids: Points = np.ascontiguousarray(found[:3].T)
+        self.disc_radii: Floats = found[3].copy()
         self._discs = Balls(self.centroids, self.disc_radii)
-        (a, b, c), (x, y, z) = arms[:, 1] - arms[:, 0], arms[:, 2] - arms[:, 0]
-        normals = np.stack([b * z - c * y, c * x - a * z, a * y - b * x])
-        lengths = np.sqrt(_dot(normals, normals))
-        normals /= np.where(lengths > 0, lengths, 1.0)
-        self._normals = np.ascontiguousarray(normals.T)
-        # Rounding tilts the normal of a needle: its disc gets the thickness that this costs.
-        self._thickness = np.abs(_dot(arms, normals[:, None])).max(axis=0)
+        self._normals = np.ascontiguousarray(found[4:7].T)
+        self._thickness = found[7].copy()
 
     def distances(self, queries: Points) -> SurfaceDistance:
         """Distance, nearest point and triangle of every query (n, 3)."""
@@ -277,6 +268,25 @@ class SurfaceIndex:
         hits = np.flatnonzero(distance == least.take(query))
         first = hits.take(np.searchsorted(hits, starts))
         return SurfaceDistance(distance[first], closest[first], triangle[first])
+
+
+def _discs(columns: Floats, triangles: Triangles) -> Floats:
+    """Discs round triangles (m, 3), by columns (3, n) of the points, in rows (8, m).
+
+    Centroid, radius, unit normal and thickness: rounding tilts the normal of a needle, whose disc
+    gets the thickness that this costs.
+    """
+    # Coordinates in rows of their own, (coordinate, corner, triangle).
+    arms = columns.take(np.ascontiguousarray(triangles.T), axis=1)
+    middles = (arms[:, 0] + arms[:, 1] + arms[:, 2]) / 3.0
+    arms -= middles[:, None]
+    radii = np.sqrt(_dot(arms, arms).max(axis=0))
+    (a, b, c), (x, y, z) = arms[:, 1] - arms[:, 0], arms[:, 2] - arms[:, 0]
+    normals = np.stack([b * z - c * y, c * x - a * z, a * y - b * x])
+    lengths = np.sqrt(_dot(normals, normals))
+    normals /= np.where(lengths > 0, lengths, 1.0)
+    thickness = np.abs(_dot(arms, normals[:, None])).max(axis=0)
+    return np.stack([*middles, radii, *normals, thickness])
 
 
 def _dot(one: Floats, other: Floats) -> Floats:

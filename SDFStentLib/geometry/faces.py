@@ -23,7 +23,7 @@ from ..validation import (
     one_line,
     read_only,
 )
-from .rows import used_points
+from .rows import in_blocks, used_points
 from .topology import consistently_wound, edges
 
 NO_HEIGHT = 1e-4
@@ -37,12 +37,15 @@ single precision resolves at 100 mm from the origin. The flattest triangle of th
 
 def face_areas(points: Points, triangles: Triangles) -> Floats:
     """Area (m,) of every face, mm^2."""
-    return 0.5 * _lengths(_area_vectors(points, triangles))
+    columns = np.ascontiguousarray(points.T)
+    return in_blocks(lambda block: 0.5 * _lengths(_area_vectors(columns, block)), triangles)
 
 
 def face_normals(points: Points, triangles: Triangles) -> Floats:
     """Unit normals (m, 3); zero for a face without area."""
-    return np.ascontiguousarray(_unit(_area_vectors(points, triangles)).T)
+    columns = np.ascontiguousarray(points.T)
+    found = in_blocks(lambda block: _unit(_area_vectors(columns, block)), triangles)
+    return np.ascontiguousarray(found.T)
 
 
 def vertex_normals(points: Points, triangles: Triangles) -> Floats:
@@ -50,10 +53,10 @@ def vertex_normals(points: Points, triangles: Triangles) -> Floats:
 
     Zero at a point without a face and where the faces cancel.
     """
-    corners = triangles.ravel()
+    corners, columns = triangles.ravel(), np.ascontiguousarray(points.T)
     sums = [
         np.bincount(corners, weights=np.repeat(column, 3), minlength=len(points))
-        for column in _area_vectors(points, triangles)
+        for column in in_blocks(lambda block: _area_vectors(columns, block), triangles)
     ]
     return np.ascontiguousarray(_unit(np.stack(sums)).T)
 
@@ -138,14 +141,14 @@ def compacted(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:
 # Vectors stand in columns, (3, m): sums along a last axis of three take NumPy several times longer.
 
 
-def _corners(points: Points, triangles: Triangles) -> Floats:
-    """Coordinates (coordinate, corner, face)."""
-    return np.ascontiguousarray(points.T).take(np.ascontiguousarray(triangles.T), axis=1)
+def _corners(columns: Floats, triangles: Triangles) -> Floats:
+    """Coordinates (coordinate, corner, face) by columns (3, n) of the points."""
+    return columns.take(np.ascontiguousarray(triangles.T), axis=1)
 
 
-def _area_vectors(points: Points, triangles: Triangles) -> Floats:
+def _area_vectors(columns: Floats, triangles: Triangles) -> Floats:
     """Normals (3, m) whose length is twice the area."""
-    corners = _corners(points, triangles)
+    corners = _corners(columns, triangles)
     return _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
@@ -154,7 +157,7 @@ def _cone_volumes(points: Points, triangles: Triangles) -> Floats:
 
     Cones from the origin would cancel to less than their rounding on a surface far from it.
     """
-    corners = _corners(points, triangles)
+    corners = _corners(np.ascontiguousarray(points.T), triangles)
     corners -= corners.mean(axis=(1, 2), keepdims=True)
     return _dot(corners[:, 0], _cross(corners[:, 1], corners[:, 2])) / 6.0
 
@@ -185,7 +188,8 @@ def _outward_flux(points: Points, triangles: Triangles, inside: Points) -> Float
 
     centers = points[triangles].mean(axis=1)
     nearest = inside[cKDTree(inside).query(centers)[1]]
-    return _dot(_area_vectors(points, triangles), _unit((centers - nearest).T))
+    columns = np.ascontiguousarray(points.T)
+    return _dot(_area_vectors(columns, triangles), _unit((centers - nearest).T))
 
 
 _SAID = 3

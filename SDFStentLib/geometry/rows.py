@@ -2,15 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..validation import Flags, Floats, Indices, Points
 
+_Value = TypeVar("_Value", np.float64, np.bool_)
+
 _PRODUCT = 1 << 17
 """Multiplications at a time; from twice as many on, some libraries start more threads."""
+
+
+_BLOCK = 1 << 14
+"""Rows at a time: a dozen temporaries of these fit into the cache of a core. Of 2^12 to 2^18 the
+quickest on 1.2 million triangles."""
+
+
+def in_blocks(
+    work: Callable[[NDArray[Any]], NDArray[_Value]], rows: NDArray[Any]
+) -> NDArray[_Value]:
+    """Some work on rows whose results (..., n) do not depend on one another, block by block.
+
+    Temporaries that stay in the cache cost a half to a third of those that do not.
+    """
+    if len(rows) <= _BLOCK:
+        return work(rows)
+    parts = [work(rows[first : first + _BLOCK]) for first in range(0, len(rows), _BLOCK)]
+    return np.concatenate(parts, axis=-1)
 
 
 def dot(one: Floats, other: Floats) -> Floats:

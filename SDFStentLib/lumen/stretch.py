@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import Surface, as_surface, dot, state_of
-from ..validation import Floats, InputError, Points, Triangles, as_points
+from ..geometry import Surface, as_surface, dot, in_blocks, state_of
+from ..validation import Floats, Indices, InputError, Points, Triangles, as_points
 
 
 class FaceStretch(NamedTuple):
@@ -22,8 +22,10 @@ class FaceStretch(NamedTuple):
     smallest: Floats
 
 
-def face_stretches(before: Surface, after: Surface | ArrayLike) -> FaceStretch:
-    """Area stretch and principal stretches of every triangle.
+def face_stretches(
+    before: Surface, after: Surface | ArrayLike, faces: Indices | None = None
+) -> FaceStretch:
+    """Area stretch and principal stretches of every triangle, or of those of some numbers (k,).
 
     A triangle maps linearly onto itself in the other state. The singular values s1 >= s2 of this
     2-D deformation gradient F are the largest and the smallest ratio of lengths in it. They follow
@@ -35,6 +37,7 @@ def face_stretches(before: Surface, after: Surface | ArrayLike) -> FaceStretch:
     before : Surface
     after : Surface, or array_like of shape (n, 3)
         The other state: with the same triangles, or its points, mm.
+    faces : (k,) array of int, optional
 
     Raises
     ------
@@ -42,8 +45,9 @@ def face_stretches(before: Surface, after: Surface | ArrayLike) -> FaceStretch:
         No surface, or an other state that is not one of it.
     """
     after = state_of(as_surface(before, "before"), after)
-    uu, uv, vv = _metric(before.points, before.triangles)
-    new_uu, new_uv, new_vv = _metric(after.points, before.triangles)
+    triangles = before.triangles if faces is None else before.triangles.take(faces, axis=0)
+    uu, uv, vv = _metric(before.points, triangles)
+    new_uu, new_uv, new_vv = _metric(after.points, triangles)
     old_area, new_area = uu * vv - uv * uv, new_uu * new_vv - new_uv * new_uv
     has_area = old_area > np.finfo(float).eps * uu * vv
     squared = np.where(has_area, old_area, np.nan)
@@ -76,9 +80,14 @@ def _both_states(before: ArrayLike, after: ArrayLike) -> tuple[Points, Points]:
 
 def _metric(points: Points, triangles: Triangles) -> tuple[Floats, Floats, Floats]:
     """Scalar products of the two sides at the first corner."""
-    first = points[triangles[:, 0]]
-    u, v = points[triangles[:, 1]] - first, points[triangles[:, 2]] - first
-    return dot(u, u), dot(u, v), dot(v, v)
+
+    def products(corners: Triangles) -> Floats:
+        first, second, third = (points.take(corner, axis=0) for corner in corners.T)
+        u, v = second - first, third - first
+        return np.stack([dot(u, u), dot(u, v), dot(v, v)])
+
+    uu, uv, vv = in_blocks(products, triangles)
+    return uu, uv, vv
 
 
 class TriangleSizes(NamedTuple):

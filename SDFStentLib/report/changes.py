@@ -15,8 +15,8 @@ import numpy as np
 from ..cautions import Caution
 from ..certificate import SurfaceCheck
 from ..files import SurfaceFile, unfinished
-from ..geometry import NamedFaces
-from ..lumen import triangle_sizes
+from ..geometry import NamedFaces, faces_at
+from ..lumen import face_stretches, triangle_sizes
 from ..plan import PlanResult, method_parameters
 from ..validation import Floats, Indices, InputError
 from .facts import LINES, Fact, Facts
@@ -108,7 +108,7 @@ def _changes(result: PlanResult) -> Iterator[Fact]:
     before, after = result.inputs.surface.surface, result.treatment.surface
     has_moved = np.zeros(len(before.points), dtype=bool)
     has_moved[result.treatment.indices] = True
-    faces = np.flatnonzero(has_moved[before.triangles].any(axis=1))
+    faces = np.flatnonzero(faces_at(has_moved, before.triangles))
     for key, label, moved, whole in (
         ("points", "Points", int(has_moved.sum()), len(before.points)),
         ("triangles", "Triangles with a corner", len(faces), len(before.triangles)),
@@ -124,7 +124,7 @@ def _changes(result: PlanResult) -> Iterator[Fact]:
         was, is_now = (_spread(getattr(one, name)) for one in (old, new))
         words = f"{_range(was, unit, digits)} before; {_range(is_now, unit, digits)} after"
         yield Fact(f"{key}.{{}}", label, was, is_now, words=words)
-    ratio = _spread(result.treatment.stretch.area[faces])
+    ratio = _spread(face_stretches(before, after, faces).area)
     label = "Their area, after over before"
     yield Fact("area_ratio", label, after=ratio, words=_range(ratio, "", 2))
     parts = _changed_faces(result.inputs.surface.faces, faces)
