@@ -27,7 +27,7 @@ from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import find_lesions, lesion_after, lesion_against, lesions_within
 from SDFStentLib.vessel.found_narrowings import found_narrowings
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
-from SDFStentLib.vessel.lesions import _each_once
+from SDFStentLib.vessel.lesions import _each_once, _told
 from SDFStentLib.vessel.narrowings import Plateau, _left, narrowings
 from SDFStentLib.vessel.runs import Leaving, SideBranch, _ostium, vessel_runs
 
@@ -881,3 +881,17 @@ def test_the_branch_that_begins_in_a_patient_s_throat_is_told_as_an_independent_
     lost = replace(after.limbs[0], minimum_diameter=np.nan, percent_diameter=np.nan)
     facts = treated_lesion_facts(TreatedLesion(1, lesion, replace(after, limbs=(lost,)), (1,)))
     assert facts.named("_limbs").words.endswith("43 % (2.10 of 3.65 mm) -> not known.")
+
+
+def test_what_is_narrowed_in_the_throat_of_no_lesion_is_one_itself():
+    """Where a line jumps at a fork a vessel had a throat that was none as soon as it was measured,
+    and the 43 % in the branch beside it were dropped with it."""
+    case = bifurcation_case(3, "ostium")
+    (lesion,) = find_lesions(case.surface, case.centerline)
+    shallow = {"diameters": lesion.diameters + 1.0, "percent_diameter": -3.0}
+    beside = replace(lesion, vessel=2, point=tuple(np.add(lesion.point, 20.0)))
+    for limbs in ((lesion,), (lesion, beside), (lesion, replace(beside, percent_diameter=14.0))):
+        deep = [one for one in limbs if one.percent_diameter > 15]
+        assert _told([replace(lesion, **shallow, limbs=limbs)]) == deep
+        (kept,) = _told([replace(lesion, limbs=limbs)])
+        assert kept.limbs == tuple(deep[1:])

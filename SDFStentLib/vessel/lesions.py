@@ -91,14 +91,24 @@ def find_lesions(
         is_small = lesion.reference_diameter < SMALL_VESSEL
         return is_small, not main[lesion.vessel], -lesion.percent_diameter
 
-    least = 100 * SMALLEST_DEGREE
     wall = tree_lumen(surface, centerline).spheres.surface
-    told = []
-    for lesion in with_limbs(measured(lesions, surface, wall), [len(one.limbs) for one in found]):
+    whole = with_limbs(measured(lesions, surface, wall), [len(one.limbs) for one in found])
+    return tuple(sorted(_told(whole), key=rank))
+
+
+def _told(lesions: Sequence[Lesion]) -> list[Lesion]:
+    """The lesions, and limbs, that are as deep as measured, each once.
+
+    A limb of what is measured to be none is a lesion itself.
+    """
+    least, told = 100 * SMALLEST_DEGREE, list[Lesion]()
+    for lesion in lesions:
         limbs = [limb for limb in lesion.limbs if limb.percent_diameter >= least]
-        told.append(replace(lesion, limbs=tuple(_each_once(limbs, [lesion]))))
-    told = [one for one in told if not one.percent_diameter < least]
-    return tuple(sorted(_each_once(told), key=rank))
+        if lesion.percent_diameter < least:
+            told += limbs
+        else:
+            told.append(replace(lesion, limbs=tuple(_each_once(limbs, [lesion]))))
+    return _each_once(told)
 
 
 def _each_once(lesions: Sequence[Lesion], known: Sequence[Lesion] = ()) -> list[Lesion]:
