@@ -16,11 +16,13 @@ def main() -> int:
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
     from .cli import main as command
+    from .threads import are_busy
 
     code = command()
-    if code == INTERRUPTED:
+    if code == INTERRUPTED or are_busy():
         # An interruption that came while text was executed (as dataclasses do) is remembered by
-        # Python, which would end by the signal although it was handled.
+        # Python, which would end by the signal although it was handled. Threads that are at work
+        # when Python ends may end it by a signal, too.
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(code)

@@ -20,6 +20,7 @@ FLOORS = (
         "units",
         "version",
         "interpreter",
+        "threads",
         "surface_formats",
         "line_formats",
         "scan_formats",

@@ -13,6 +13,7 @@ from .comparison import Comparison as Comparison
 from .comparison import Verdict as Verdict
 from .face_quality import smallest_angles as smallest_angles
 from .fitness import fitness_after as fitness_after
+from .fitness import known_faults as known_faults
 from .intersections import self_intersecting_triangles as self_intersecting_triangles
 from .promises import NARROWER as NARROWER
 from .promises import NOTICEABLY_NARROWER as NOTICEABLY_NARROWER

@@ -158,7 +158,7 @@ def fitness_after(
     precision : Precision
         Precision of the comparison.
     """
-    known, whole = _known_faults(before, precision), after.whole
+    known, whole = known_faults(before, precision), after.whole
     at_rest = ~faces_at(verdict.has_moved, whole.triangles)
     faults = FaceFaults(
         np.concatenate([known.pairs[at_rest[known.pairs].all(axis=1)], verdict.pairs]),
@@ -172,7 +172,8 @@ _inputs: WeakKeyDictionary[Surface, dict[Precision, FaceFaults]] = WeakKeyDictio
 """Known faults of inputs: a vessel that gets one stent after another is judged once."""
 
 
-def _known_faults(surface: Surface, precision: Precision) -> FaceFaults:
+def known_faults(surface: Surface, precision: Precision) -> FaceFaults:
+    """Faults of an input with everything that is `whole` of it, in the numbers that are stored."""
     known = _inputs.setdefault(surface, {})
     if precision not in known:
         known[precision] = _faults(surface.whole, precision.stored(surface.points))

@@ -15,10 +15,10 @@ from ..plan import (
     InputFiles,
     Plan,
     PlanResult,
+    carried_out,
     input_file,
     read_input_files,
     save_plan,
-    treatment_of,
 )
 from ..report import (
     before_after_picture,
@@ -55,11 +55,8 @@ def demo_command(options: argparse.Namespace, console: Console) -> int:
     copies = Sample(folder / "surface.vtp", folder / "centerline.vtp")
     inputs = _placed_at(copies, read_input_files(*patient))
     plan = _plan(inputs)
-    treatment = treatment_of(plan, inputs)
     with console.progress("Deploying") as show:
-        for state in treatment:
-            show(state.fraction)
-    result = PlanResult(plan, inputs, treatment.result)
+        result = carried_out(plan, inputs, lambda state: show(state.fraction))
     for original, copy in zip(patient, copies, strict=True):
         outputs.add(copy, _writing(original.read_bytes()))
     missing = _add_results(outputs, folder, result)

@@ -26,10 +26,10 @@ from ..plan import (
     PlanResult,
     StepFiles,
     as_read,
+    carried_out,
     load_plan,
     read_plan_inputs,
     save_plan,
-    treatment_of,
     write_device,
 )
 from ..report import (
@@ -44,6 +44,7 @@ from ..report import (
 )
 from ..scan import VoxelRange, treated_voxel_range
 from ..surface_formats import written_suffix
+from ..treatment import TreatmentState
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console, tell
 from .flow_options import add_networks, known_of, no_flow
@@ -193,13 +194,14 @@ class _PlanJob:
         if self.options.device_mesh:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
             self.console.warn(self.mesh.warnings)
-        treatment = treatment_of(self.plan, inputs)
         with self.console.progress("Deploying") as show:
-            for state in treatment:
+
+            def shown(state: TreatmentState) -> None:
                 show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
                 if self.steps is not None:
                     self.steps.take(inputs.surface, state)
-        self.result = PlanResult(self.plan, inputs, treatment.result)
+
+            self.result = carried_out(self.plan, inputs, shown)
         self.write_start = perf_counter()
         lost = self.outputs.write()
         cautions = [*self.result.warnings, *self.result.size_warnings, *lost]

@@ -31,6 +31,7 @@ from .option_table import (
     TALK,
     UNITS,
     VERBOSE,
+    WORK,
     add_table,
 )
 from .outputs import Outputs
@@ -65,7 +66,7 @@ def add_flow(command: argparse.ArgumentParser) -> None:
 --export-0d DIR  the networks as before.json and after.json for svZeroDSolver
 """,
     )
-    add_table(command, ACCEPTANCE + UNITS + VERBOSE + TALK)
+    add_table(command, ACCEPTANCE + UNITS + VERBOSE + WORK)
 
 
 def add_known(command: argparse.ArgumentParser) -> None:

@@ -52,6 +52,7 @@ TALK = """\
 --quiet  say nothing but errors
 --debug  show where an error came from
 """
+WORK = f"--threads N  to calculate with (default: one per core)\n{TALK}"
 
 
 def number(text: str) -> float:

@@ -24,6 +24,7 @@ from .option_table import (
     UNITS,
     USUAL_PLACE,
     VERBOSE,
+    WORK,
     Parser,
     Printed,
     add_method,
@@ -35,7 +36,6 @@ from .option_table import (
 from .views.options import add_views
 
 OF_STENT = parameters_of(Stent)
-
 DEVICE = "--device NAME  one of `sdfstent devices`; sets its lengths\n"
 DEVICE_TABLE = "--device-table F  JSON with devices of your own, too\n"
 HIDING = "--hide-device  pictures without the struts of the stents\n"
@@ -148,7 +148,7 @@ def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
 --output-centerline F  the centerline, moved along
 {OUTPUT}""",
     )
-    add_table(command, VERBOSE + TALK)
+    add_table(command, VERBOSE + WORK)
     words = "the first of these"
     command.add_argument("-h", "--help", action=Printed, const=first.format_help, help=words)
     command.add_argument("--help-all", action="help", help="all of these")
@@ -163,7 +163,7 @@ def _run(command: argparse.ArgumentParser) -> None:
     add_table(command, "-o, --output DIR  folder to write", required=True)
     add_table(command, ACCEPTANCE + FRAME)
     add_table(command.add_argument_group("output"), OUTPUT)
-    add_table(command, VERBOSE + TALK)
+    add_table(command, VERBOSE + WORK)
     add_schema(command, "plans")
 
 
@@ -178,7 +178,7 @@ def _compare(command: argparse.ArgumentParser) -> None:
     add_table(
         command,
         f"{ACCEPTANCE}--picture F  before and after every plan, as .png\n"
-        f"{HIDING}{JSON}{VERBOSE}{TALK}",
+        f"{HIDING}{JSON}{VERBOSE}{WORK}",
     )
 
 
@@ -314,7 +314,7 @@ def _demo(command: argparse.ArgumentParser) -> None:
         "its origin gets a stent across the bifurcation."
     )
     folder = "-o, --output DIR = sdfstent-demo  to write (default sdfstent-demo)\n"
-    add_table(command, folder + VERBOSE + TALK)
+    add_table(command, folder + VERBOSE + WORK)
 
 
 def _app(command: argparse.ArgumentParser) -> None:

@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TextIO
 
 from ..files import cannot_write
+from ..threads import use_threads
 from ..units import in_file
 from ..validation import DeploymentError, InputError
 from .console import Console, error_line, remedies_of
@@ -54,6 +55,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return int(end.code or 0)
     console = Console(options, quiet=options.quiet)
     try:
+        if hasattr(options, "threads"):
+            use_threads(options.threads)
         command = _imported(options.command)
         with interruptions():
             code = command(options, console)

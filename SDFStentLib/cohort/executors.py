@@ -16,6 +16,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExe
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 
+from ..threads import cores
 from ..validation import InputError
 from .watch import Watch, WorkerContext, one_thread, start_worker
 from .worker import Outcome, Task, run_case
@@ -108,7 +109,7 @@ def processes(workers: int | None = None, time_limit: float | None = None) -> Wo
 def worker_count(workers: int | None = None) -> int:
     """The number of workers: as asked for, else the cores of this process;
     `InputError` if invalid."""
-    count = cores() if workers is None else workers
+    count = min(cores(), MOST_WORKERS) if workers is None else workers
     if isinstance(count, bool) or not isinstance(count, int) or not 0 < count <= MOST_WORKERS:
         raise InputError(
             f"workers: expected a whole number from 1 to {MOST_WORKERS}, got {count!r}."
@@ -141,12 +142,6 @@ def given(executor: Executor) -> Workplace:
     if not hasattr(executor, "submit"):
         raise InputError(f"executor: expected one of concurrent.futures, got {executor!r}.")
     return Workplace(lambda: nullcontext(executor), DASK_WINDOW, is_renewable=False)
-
-
-def cores() -> int:
-    """Number of cores that this process may use, at most the workers that a pool can have."""
-    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return min(count or 1, MOST_WORKERS)
 
 
 @contextmanager

@@ -8,13 +8,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
-from ..certificate import Comparison, Verdict, certificate_of, fitness_after
+from ..certificate import Comparison, Verdict, certificate_of, fitness_after, known_faults
 from ..field import CapsuleChain
 from ..geometry import Surface
+from ..threads import ahead
 from .attempt import GAP_RAMP, Attempt
 from .settings import DeploymentSettings
 from .untangle import relaxed
@@ -64,10 +66,13 @@ class Deployment(DeploymentTask):
         super().__post_init__()
         self.states: list[DeploymentState] = []
         self._result: DeploymentResult | None = None
+        self._judged: Callable[[], None] | None = None
 
     def __iter__(self) -> Iterator[DeploymentState]:
         """Yield a state per radius step with motion, then the finished state."""
         self.states = []
+        if self.settings.certify:
+            self._judged = ahead(partial(known_faults, self.surface, self.precision))
         attempt = Attempt(self, GAP_RAMP, self.settings.tissue_gap)
         for radius in attempt.steps():
             self.states.append(attempt.state(radius))
@@ -106,6 +111,8 @@ class Deployment(DeploymentTask):
         if self.settings.certify and verdict is not None:
             lumen = self.lumen_checks(self.surface, after)
             slivers = comparison.new_slivers(verdict)
+            if self._judged is not None:
+                self._judged()
             fitness = fitness_after(self.surface, after, verdict, self.precision)
             certificate = certificate_of(verdict, slivers, whole, fitness, (motion,), lumen)
         return DeploymentResult(

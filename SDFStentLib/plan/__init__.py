@@ -64,6 +64,7 @@ from .reader import plan_from_document as plan_from_document
 from .run import PlanResult as PlanResult
 from .run import Today as Today
 from .run import as_read as as_read
+from .run import carried_out as carried_out
 from .run import case_of as case_of
 from .run import flow_answer as flow_answer
 from .run import flow_model as flow_model

@@ -12,7 +12,7 @@ from ..cautions import reason_of
 from ..validation import DeploymentError, InputError, check_is_a, in_short
 from .inputs import InputFiles, as_planned, plan_files
 from .plan import Plan
-from .run import PlanResult, as_read, treatment_of
+from .run import PlanResult, as_read, carried_out
 
 
 @dataclass(frozen=True)
@@ -119,10 +119,7 @@ def _carried_out(
     name: str, plan: Plan, inputs: InputFiles, show: Callable[[float], None]
 ) -> Alternative:
     try:
-        treatment = treatment_of(plan, inputs)
-        for state in treatment:
-            show(state.fraction)
-        result = PlanResult(plan, inputs, treatment.result)
+        result = carried_out(plan, inputs, lambda state: show(state.fraction))
     except (InputError, DeploymentError) as error:
         return Alternative(name, plan, failure=reason_of(error, plan.units))
     return Alternative(name, plan, result)

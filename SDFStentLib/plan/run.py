@@ -27,6 +27,7 @@ from ..flow import (
     solved_by_svzerod,
 )
 from ..stent import AlongAxis, OfStent, Stent
+from ..threads import ahead
 from ..treatment import (
     TreatedLesion,
     Treatment,
@@ -199,11 +200,21 @@ def run_plan(
     """
     check_is_a(plan, Plan, "plan")
     inputs = read_plan_inputs(plan, accept_changed_inputs=accept_changed_inputs)
+    return carried_out(plan, inputs, progress)
+
+
+def carried_out(
+    plan: Plan, inputs: InputFiles, progress: Callable[[TreatmentState], None] | None = None
+) -> PlanResult:
+    """Carry out a plan in what was read for it; as `run_plan`."""
     treatment = treatment_of(plan, inputs)
+    look = ahead(lambda: inputs.vessel.lesions)
     for state in treatment:
         if progress is not None:
             progress(state)
-    return PlanResult(plan, inputs, treatment.result)
+    result = PlanResult(plan, inputs, treatment.result)
+    look()
+    return result
 
 
 def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:

@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, zip_longest
@@ -24,6 +24,7 @@ from ..deformation import Deployment, DeploymentSettings
 from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
 from ..lumen import bulged_caps, diameter_profile
 from ..stent import Stent
+from ..threads import ahead
 from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
 from .branches import covered_by_all
@@ -129,6 +130,7 @@ class Treatment:
     def _begin(self) -> None:
         self._result: TreatmentResult | None = None
         self._stages: list[Stage] = []
+        self._surveyed_ahead: Callable[[], None] | None = None
         self._seconds = {"setup": 0.0, "deploy": 0.0}
         self._clock = perf_counter()
 
@@ -155,6 +157,8 @@ class Treatment:
         )
         ready = perf_counter()
         for state in named_states(deployment, self.label(placed.number)):
+            if self._surveyed_ahead is None:
+                self._surveyed_ahead = ahead(lambda: self.survey)
             fraction = (len(self._stages) + state.fraction) / count
             yield TreatmentState(placed, fraction, state, surface)
         self._stages.append(Stage(placed, course.centerline, deployment))
@@ -225,6 +229,8 @@ class Treatment:
         """A stent, whose branches are those of its survey."""
         found, left = stage.deployment.surface, stage.result.surface
         is_first = stage is self._stages[0]
+        if self._surveyed_ahead is not None:
+            self._surveyed_ahead()
         survey = self.survey if is_first else self._surveyed(stage)
         states = VesselStates(self.surface, found, left, after)
         seen = surroundings(survey, states, stage.radius_at)
@@ -258,8 +264,7 @@ class Treatment:
     def survey(self) -> Survey:
         """Surroundings of the first stent before treatment; `result` needs them.
 
-        No state takes part in it: who has a thread to spare may ask for it there, once, while this
-        one iterates.
+        No state takes part in it: another thread may ask for it, once, while this one iterates.
         """
         names = TreeNames(self.centerline, self.faces, self.given_names)
         return surveyed_once(self.surface, self._first.axis.line, names)
