@@ -84,7 +84,7 @@ def test_spheres_are_those_of_a_plain_climb(a_vessel, when):
 
 
 def test_spheres_of_a_whole_tree_are_those_of_plain_climbs(monkeypatch):
-    monkeypatch.setattr(inscribed, "_TRIANGLES", 1 << 14)  # They are searched in some parts.
+    monkeypatch.setattr(inscribed, "PAIRS", 1 << 14)  # They are searched in some parts.
     rng = np.random.default_rng(0)
     made = narrowed_tree()
     lines = [made.centerline.points[branch] for branch in made.centerline.branches]

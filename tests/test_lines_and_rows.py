@@ -171,7 +171,7 @@ def test_a_line_is_made_anew_with_a_bounded_number_of_segments(length, spacing):
 
 def test_a_climb_that_does_not_settle_ends_with_the_exact_radius_of_where_it_is(monkeypatch):
     tube = stenosed_tube(edge_length=1.5)
-    monkeypatch.setattr(climb, "_ROUNDS", 1)
+    monkeypatch.setattr(climb, "ROUNDS", 1)
     axis = [[0.5, 0, 10], [0.5, 0, 20], [0.5, 0, 30]]
     spheres = inscribed.inscribed_spheres(tube.points, tube.triangles, axis)
     exact = SurfaceIndex(tube.points, tube.triangles).distances(spheres.centers).distance

@@ -61,7 +61,6 @@ from .stretch import face_stretches as face_stretches
 from .stretch import triangle_sizes as triangle_sizes
 from .tolerances import ALIKE as ALIKE
 from .tolerances import ASKEW as ASKEW
-from .tolerances import BESIDE_SPHERE as BESIDE_SPHERE
 from .tolerances import CENTERED as CENTERED
 from .tolerances import END_REACH as END_REACH
 from .tolerances import FARTHEST as FARTHEST

@@ -24,13 +24,7 @@ from ..validation import Flags, Floats, Indices, Points, Triangles
 from .caps import caps_across
 from .spheres import InscribedSpheres, some_corners
 from .stations import Stations
-from .tolerances import ACROSS, END_REACH, FARTHEST, NOTHING
-
-ROUND = 0.98
-"""Inscribed over equivalent diameter from which a sphere fills its section: no end is nearer."""
-
-TOUCH = 1e-3
-"""Share of its radius by which a surface may be farther from a sphere's center and touch it."""
+from .tolerances import ACROSS, ALIKE, END_REACH, FARTHEST, NOTHING
 
 
 class SurfacePart(NamedTuple):
@@ -71,8 +65,8 @@ def touches(
         return found
     centers, radii = spheres.at(known)
     # For a sphere of radius 0 rounding decides what it touches.
-    reach = np.maximum((1 + TOUCH) * radii, NOTHING)
-    ample = (1 + TOUCH) * reach[:, None]
+    reach = np.maximum(ALIKE * radii, NOTHING)
+    ample = ALIKE * reach[:, None]
     low, high = (centers - ample).min(axis=0), (centers + ample).max(axis=0)
     near = may_meet_box(points, triangles, low, high)
     if not near.any():
@@ -84,7 +78,7 @@ def touches(
     distance = np.linalg.norm(offset, axis=1)
     along = dot(offset, outward[known[query]])
     is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
-    is_through = distance < (1 - TOUCH) * radii[query]
+    is_through = distance < radii[query] / ALIKE
     # For a center in the surface itself, rounding decides the direction.
     found[known[query[is_ahead | is_through | (distance < NOTHING)]]] = True
     return found
@@ -92,7 +86,7 @@ def touches(
 
 def fills(spheres: InscribedSpheres, equivalent: Floats) -> Flags:
     """Mask (n,) of the spheres that fill their sections of these equivalent diameters (n,)."""
-    return np.asarray(2 * spheres.radii > ROUND * equivalent)
+    return np.asarray(2 * ALIKE * spheres.radii > equivalent)
 
 
 class OpenWall(NamedTuple):
@@ -155,5 +149,5 @@ def _is_crossed(points: Points, station: Floats, direction: Floats, width: float
     offset = points - station
     offset = offset[dot(offset, offset) < width**2]
     heights = offset @ direction
-    touch = TOUCH * width
+    touch = (ALIKE - 1) * width
     return bool(len(heights) and heights.min() < -touch and heights.max() > touch)

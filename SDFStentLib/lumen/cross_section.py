@@ -8,10 +8,7 @@ from numpy.typing import ArrayLike
 from ..geometry import across, plane_section, product
 from ..validation import Floats, InputError, Points, Triangles, as_points
 from .section_areas import section_areas
-from .tolerances import ROUNDING
-
-_STATIONS = 64
-"""Number of stations that are cut together; a small one keeps the part of the surface local."""
+from .tolerances import AT_ONCE, ROUNDING
 
 
 def equivalent_diameters(
@@ -48,8 +45,8 @@ def equivalent_diameters(
         raise InputError("directions: expected no zero vector; remove repeated axis points.")
     normals = directions / np.linalg.norm(directions, axis=1)[:, None]
     areas = np.empty(len(centers))
-    for start in range(0, len(centers), _STATIONS):
-        block = slice(start, start + _STATIONS)
+    for start in range(0, len(centers), AT_ONCE):
+        block = slice(start, start + AT_ONCE)
         areas[block], doubtful = section_areas(points, triangles, centers[block], normals[block])
         for number in start + np.flatnonzero(doubtful):
             areas[number] = _lumen_area(points, triangles, centers[number], directions[number])

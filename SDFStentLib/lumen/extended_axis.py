@@ -14,10 +14,7 @@ from ..centerline import Centerline
 from ..geometry import Line, Surface, as_line, dot, norm
 from ..validation import Floats, InputError, Points, as_number
 from .spheres import SphereSearch, Until
-from .tolerances import FINEST, NOTHING, TOLERANCE, WITHIN
-
-_STEP = 0.5
-"""Length of a step, as a fraction of the radius."""
+from .tolerances import CENTERED, FINEST, NOTHING, TOLERANCE, WITHIN
 
 
 def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> list[Points]:
@@ -42,7 +39,7 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
     traveled = np.zeros(len(axes))
     # Ends, since every step is at least half the narrowest radius, the room, or the rest.
     while len(goes_on):
-        whole = _STEP * radii[goes_on]
+        whole = CENTERED * radii[goes_on]
         step = np.minimum(np.minimum(whole, room[goes_on]), reach - traveled[goes_on])
         ahead = last[goes_on] + step[:, None] * heading[goes_on]
         centers, wide = search.spheres(ahead, heading[goes_on], Until(TOLERANCE))
@@ -82,10 +79,8 @@ def heading_of(axis: Line, window: float) -> Floats:
 
 
 REACH = 20.0
-"""Distance beyond an end of the stent up to which its surroundings are looked at, mm."""
-
-_FADING = 10.0
-"""Length over which the way changes from the stent's axis to the centerline, mm."""
+"""Distance beyond an end of the stent up to which its surroundings are looked at, and over
+which the way changes from its axis to the centerline, mm."""
 
 
 @dataclass(frozen=True)
@@ -194,7 +189,7 @@ def _along_tree(tree: Centerline, axis: Line, reach: float) -> Points:
     if len(line) < 2:
         return line.points[:0]
     line = line.cut(0.0, reach)
-    fading = np.clip(1 - line.arc_lengths / _FADING, 0, 1)[:, None]
+    fading = np.clip(1 - line.arc_lengths / REACH, 0, 1)[:, None]
     return np.asarray((line.points + fading * (end - place.point))[1:])
 
 

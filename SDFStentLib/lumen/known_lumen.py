@@ -12,9 +12,8 @@ from ..validation import Flags, Floats, Points, Triangles
 from .closed_ends import OpenWall
 from .cross_section import equivalent_diameters
 from .spheres import InscribedSpheres, inscribed_spheres
-from .stations import Stations, measured_at
-from .tolerances import BESIDE_SPHERE
-from .wall_map import PAIRS
+from .stations import MOST, Stations, measured_at
+from .tolerances import ALIKE, PAIRS
 
 _APART = 1 / np.sqrt(3.0)
 """Largest distance of a place of a triangle from all of its corners, over its longest side."""
@@ -78,9 +77,6 @@ def _longest_side(points: Points, triangles: Triangles) -> float:
     return max(float(norm(corners[k] - corners[k - 1]).max(initial=0.0)) for k in range(3))
 
 
-MOST = 20_000
-"""Number of stations kept for one surface, about 100 bytes each; above it all are forgotten."""
-
 _known: WeakKeyDictionary[Surface, dict[tuple[bytes, bytes, bytes], Stations]] = WeakKeyDictionary()
 """Stations that were measured together, by places, directions and caps left out."""
 
@@ -135,7 +131,7 @@ def measured_after(
     points, directions = before.points, before.directions
     centers, radii = before.spheres.centers.copy(), before.spheres.radii.copy()
     equivalent = before.equivalent.copy()
-    is_changed = moved.comes_near(centers, BESIDE_SPHERE * radii) | ~(radii > 0)
+    is_changed = moved.comes_near(centers, ALIKE * radii) | ~(radii > 0)
     if outside is not None:
         is_changed &= ~outside
         centers[outside], radii[outside] = np.nan, np.nan

@@ -17,14 +17,11 @@ from ..geometry import Line, Surface, SurfaceIndex, faces_at, norm
 from ..validation import Flags, Floats, Points
 from .caps import RIM, in_caps
 from .spheres import InscribedSpheres, LocalSurface, StationSearch, Until
-from .tolerances import CENTERED, END_REACH, FARTHEST, ROUNDING, TOLERANCE
+from .tolerances import AT_ONCE, CENTERED, END_REACH, FARTHEST, ROUNDING, TOLERANCE
 from .wall_map import corner_tree
 
 _STATIONS = 24
 """Number of stations along a line from its end on: some four to six diameters."""
-
-_AT_ONCE = 8
-"""Number of ends that are measured together; those that may be the widest come first."""
 
 IN_MIDDLE = 0.1
 """Radii from the middle of a vessel within which a line has come there, unless it keeps to it no
@@ -84,8 +81,8 @@ class LineEnds:
         bounds = np.array([2 * float(self._away(line.points).max()) for line in lines])
         found = np.full(len(lines), np.nan)
         order = np.argsort(-bounds, kind="stable")
-        for first in range(0, len(lines), _AT_ONCE):
-            some = order[first : first + _AT_ONCE]
+        for first in range(0, len(lines), AT_ONCE):
+            some = order[first : first + AT_ONCE]
             if WIDER * bounds[some[0]] < np.nanmax([0.0, *found]):
                 break
             measured = self._measured([lines[number] for number in some.tolist()])

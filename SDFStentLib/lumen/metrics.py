@@ -30,7 +30,7 @@ from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, secti
 from .openings import FAR, labels_round
 from .rounded_ends import past_rounded_ends
 from .spheres import LocalSurface, StationSearch, Until, with_own_spheres
-from .stations import CLOSELY, FINE_STATIONS, NEARLY, SPACING, Stations, measured_at
+from .stations import CLOSELY, FINE_STATIONS, MOST, NEARLY, SPACING, Stations, measured_at
 from .tolerances import ALIKE, ROUNDING
 from .wall_map import RAYS, near_wall, rays_from
 
@@ -83,9 +83,6 @@ def cut_at_ostia(
     is_cut &= np.isfinite(whole)
     return np.where(is_cut, np.fmin(whole, equivalent), equivalent), is_cut
 
-
-_MOST = 20_000
-"""Stations between those that are asked for, at most: a line of kilometers is in another unit."""
 
 _FINE = np.delete(np.linspace(-1, 1, FINE_STATIONS), [0, FINE_STATIONS // 2, -1])
 """Places between stations that are looked at, as parts of the way to the neighbors."""
@@ -226,7 +223,7 @@ def diameter_profile(
     line = as_line(axis)
     count = segment_count(line.length, spacing)
     # Farther apart they would cut the bends of the axis, and look across its chords.
-    between = max(1, round(min(line.length, _MOST * SPACING) / count / SPACING))
+    between = max(1, round(min(line.length, MOST * SPACING) / count / SPACING))
     stations = line.resampled_to(count * between + 1)
     wall = open_at_ends(surface, stations.points)
     measured = measured_at(surface, stations.points, stations.directions, wall.triangles)

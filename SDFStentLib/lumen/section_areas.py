@@ -23,10 +23,7 @@ from ..geometry import (
 )
 from ..validation import Flags, Floats, Indices, Points, Triangles
 from .spheres import AROUND, some_corners
-from .wall_map import PAIRS
-
-_FEW = 16
-"""Number of stations whose part of the surface is looked at first."""
+from .tolerances import AT_ONCE, PAIRS
 
 
 class SectionAreas(NamedTuple):
@@ -115,8 +112,8 @@ def section_areas(
     """
     found = SectionAreas(np.full(len(centers), np.inf), np.zeros(len(centers), dtype=bool))
     near = _near(points, triangles, centers)
-    for first in range(0, len(centers), _FEW):
-        few = slice(first, first + _FEW)
+    for first in range(0, len(centers), AT_ONCE):
+        few = slice(first, first + AT_ONCE)
         wall = _near(*near, centers[few])
         found.area[few], found.is_doubtful[few] = _in_blocks(*wall, centers[few], normals[few])
     for wall in (near, (points, triangles)):
@@ -133,13 +130,13 @@ def section_loops(
     No loop for a section that reaches far into other vessels, or that is doubtful.
     """
     found, nodes = [], 0
-    for first in range(0, len(centers), _FEW):
-        few = slice(first, first + _FEW)
+    for first in range(0, len(centers), AT_ONCE):
+        few = slice(first, first + AT_ONCE)
         wall = _near_triangles(points, triangles, centers[few])
         kept = used_points(wall)
         near = points.take(kept, axis=0), np.searchsorted(kept, wall)
         cuts = _cuts(*near, centers[few], normals[few])
-        loops = _loops(cuts, min(_FEW, len(centers) - first))
+        loops = _loops(cuts, min(AT_ONCE, len(centers) - first))
         own = np.flatnonzero(np.isin(loops.label, loops.smallest[~loops.is_doubtful]))
         following = np.empty(len(cuts.station), dtype=np.int64)
         following[cuts.start] = cuts.end

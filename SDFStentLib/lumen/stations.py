@@ -22,6 +22,10 @@ NEARLY = 1.05
 """Ratio to the narrowest station up to which others are looked at so, too: a wall of triangles has
 dips that are shorter than stations are apart."""
 
+MOST = 20_000
+"""Stations of a line at most, and those that are kept for a surface, about 100 bytes each: a line
+of kilometers is in another unit."""
+
 CLOSELY = 3
 """Most places of a stent, or of a vessel beside it, that are looked at closely."""
 

@@ -19,7 +19,18 @@ known far less well than the radius, and ways that go on from there part at a ju
 they led up to 15 mm apart, by how the search begins."""
 
 ALIKE = 1.01
-"""Ratio of two widths of a lumen up to which they are the same width."""
+"""Ratio of two widths of a lumen up to which they are the same width, and of the distance of wall
+from a sphere's center to its radius up to which it touches that."""
+
+ROUNDS = 200
+"""Most steps of a search; one that is not done by then ends where it is."""
+
+PAIRS = 1 << 21
+"""Pairs of a place and a part of the surface that are looked at together: bounds the memory, to
+some 10 MB for each of the temporaries. The fewer parts the better."""
+
+AT_ONCE = 16
+"""Number of stations of which the parts of the surface are looked at together."""
 
 CENTERED = 0.5
 """Distance from the middle of a vessel or of an opening, in its radii, up to which a place lies
@@ -50,6 +61,3 @@ ACROSS = np.cos(np.deg2rad(30.0))
 ASKEW = np.cos(np.deg2rad(60.0))
 """Cosine between a vessel and the normal of its end, however that is cut or bulged, or the axis of
 a stent that goes along it."""
-
-BESIDE_SPHERE = 1.02
-"""Distance from a sphere's center, in radii, beyond which wall plays no part in its climb's end."""

@@ -21,17 +21,13 @@ from ..geometry import (
     search_tree,
 )
 from ..validation import Flags, Floats, Indices, Points, Triangles, read_only
-from .tolerances import ROUNDING
+from .tolerances import PAIRS, ROUNDING
 
 RAYS = 144
 """Number of rays at each station, 2.5 degrees apart."""
 
 RAYS_APART = 0.5
 """Distance of the stations of rays along a vessel, mm; less in a narrow one."""
-
-PAIRS = 1 << 21
-"""Pairs of station and part of the surface that are looked at together; some 10 MB of
-temporaries."""
 
 _DECIDE = 6
 """Places of an axis that are looked at first."""

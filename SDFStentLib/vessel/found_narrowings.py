@@ -19,16 +19,13 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Surface
-from ..lumen import InscribedSpheres, LocalSurface, with_own_spheres
+from ..lumen import NEARLY, InscribedSpheres, LocalSurface, with_own_spheres
 from ..validation import Indices
 from .branch_lumen import tree_lumen
 from .caliber import VesselWay, vessel_ways
 from .narrowings import EDGE_DEGREE, Narrowing, Plateau, narrowings
 from .runs import VesselRun, vessel_runs
 from .tree_around import limbs_of
-
-_ROUGHLY = 0.05
-"""Share of the reference by which a narrowing may be deeper than by rough spheres."""
 
 
 def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[VesselRun], list[int]]:
@@ -54,7 +51,7 @@ def _asked(runs: Sequence[VesselRun]) -> list[int]:
     """Vessels with a possible narrowing, or with healthy vessel beside another's."""
     found: set[int] = set()
     for number, way in enumerate(vessel_ways(runs)):
-        for narrow in narrowings(way.run, _ROUGHLY, way.own, way.leaving):
+        for narrow in narrowings(way.run, NEARLY - 1, way.own, way.leaving):
             found.add(number)
             sides = (narrow.reference.proximal, narrow.reference.distal)
             found |= {way.vessel_at(side.arc_length) for side in sides if side is not None}

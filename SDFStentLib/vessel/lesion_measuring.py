@@ -12,7 +12,7 @@ import numpy as np
 
 from ..geometry import Surface, norm
 from ..lumen import (
-    BESIDE_SPHERE,
+    ALIKE,
     FARTHEST,
     NEARLY,
     InscribedSpheres,
@@ -122,7 +122,7 @@ def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
     # A sphere holds its place: no wall that it touches is farther from there than its diameter.
     unknown = np.isnan(lesion.diameters)
     reach = np.where(unknown, lesion.reference_diameter, lesion.diameters)
-    changed = near.comes_near(lesion.line.points, BESIDE_SPHERE * reach)
+    changed = near.comes_near(lesion.line.points, ALIKE * reach)
     if not changed.any() and not near.crosses(*on_line(lesion.line, cut_at(lesion.line))).any():
         return None
     return np.asarray(changed | unknown)

@@ -14,6 +14,7 @@ from ..lumen import (
     ALIKE,
     CLOSELY,
     FARTHEST,
+    NEARLY,
     OWN_WIDTH,
     RAYS,
     SPACING,
@@ -26,9 +27,6 @@ from ..lumen import (
 )
 from ..validation import Flags, Floats, Indices, Points
 from .neighbor_ways import DISTAL, PROXIMAL, NeighborWay
-
-NOTICEABLE = 0.05
-"""Least noticeable loss, as a share of a diameter."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +53,7 @@ class NeighborLumen:
     @property
     def is_narrowed(self) -> bool:
         """Whether it lost more than can be passed over."""
-        return self.loss > NOTICEABLE
+        return self.loss > NEARLY - 1
 
     @property
     def is_branch(self) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface, norm
 from ..lumen import (
+    ALIKE,
     RAYS,
     ExtendedAxis,
     Mask,
@@ -33,10 +34,6 @@ LISTED = 10.0
 
 FREE = "free"
 """The word for an ostium that nothing covers."""
-
-NEARLY = 0.01
-"""Share of an ostium that does not count: it is free below, and covered above 1 less this."""
-
 
 PARENT = "vessel that this one comes from"
 
@@ -88,12 +85,12 @@ class Ostium:
     @property
     def is_free(self) -> bool:
         """Whether no part that counts lies under the stent."""
-        return self.covered_share < NEARLY
+        return self.covered_share < ALIKE - 1
 
     @property
     def is_fully_covered(self) -> bool:
         """Whether no part that counts lies beside the stent."""
-        return self.covered_share > 1 - NEARLY
+        return 1 - self.covered_share < ALIKE - 1
 
     @property
     def coverage(self) -> str:

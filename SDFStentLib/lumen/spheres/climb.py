@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...validation import Floats, Indices, Points
-from ..tolerances import ROUNDING
+from ..tolerances import ROUNDING, ROUNDS
 from .local_surface import LocalSurface
 from .max_min_step import largest_steps
 from .near_walls import Neighborhood
@@ -35,9 +35,6 @@ spheres end does not depend on it."""
 CORNERS = 2 * np.sqrt(2)
 """Distance beyond a radius, in half widths of the box, past which wall plays no part in a step:
 inside the box the radius grows and every distance shrinks by at most its half diagonal."""
-
-_ROUNDS = 200
-"""Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
 
 ROUGHLY = 60
 """Number of the wall's points round a sphere that tell about where it ends."""
@@ -179,7 +176,7 @@ def climbed(
     box = first_box * radii
     active = np.flatnonzero(radii > ROUNDING)
     near = Neighborhood(surface, len(centers))
-    for _ in range(_ROUNDS):
+    for _ in range(ROUNDS):
         if len(active) == 0:
             break
         reach = CORNERS * box[active]

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...geometry import Balls, across, dot, norm
 from ...validation import Floats, Indices, Points
-from ..tolerances import BESIDE_SPHERE, OWN_WIDTH
+from ..tolerances import ALIKE, OWN_WIDTH
 from .climb import CORNERS, WAY_BOX, InscribedSpheres, next_boxes
 from .max_min_step import LinearRows, largest_steps
 
@@ -65,7 +65,7 @@ class FollowedWall(NamedTuple):
             norm(points.take(point, axis=0) - centers.take(station, axis=0))
             for points, centers in ((before, self.spheres.centers), (now, starts))
         ]
-        is_touching = np.minimum(*away) <= BESIDE_SPHERE * self.spheres.radii.take(station)
+        is_touching = np.minimum(*away) <= ALIKE * self.spheres.radii.take(station)
         touched = np.unique(station[is_touching])
         number = np.full(len(starts), -1)
         number[touched] = np.arange(len(touched))

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ...geometry import Line, Surface, across, norm
 from ...validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
+from ..tolerances import PAIRS, ROUNDS
 from .climb import (
     WAY_BOX,
     InscribedSpheres,
@@ -24,13 +25,6 @@ from .climb import (
 )
 from .local_surface import LocalSurface
 from .neighbors import are_stuck, rooms
-
-_TRIANGLES = 1 << 21
-"""The most triangles of the spheres that are searched together, about: bounds the memory, some 100
-MB. The fewer parts the better: every step of a climb costs something, for however few stations."""
-
-_GLANCES = 30
-"""Steps of a look from one sphere to another, each as long as the wall is away."""
 
 USUAL = Until()
 
@@ -208,7 +202,7 @@ def _see_each_other(
     offset = others.centers - spheres.centers
     gone, whole = spheres.radii.copy(), norm(offset)
     found = gone > whole - others.radii
-    for _ in range(_GLANCES):
+    for _ in range(ROUNDS):
         left = np.flatnonzero(~found & (gone < whole))
         if not len(left):
             break
@@ -224,7 +218,7 @@ def _parts(centers: Points, triangles: Floats) -> Iterator[Indices]:
     # Ends: parts are halved until they are small, or one station.
     while todo:
         part = todo.pop()
-        if len(part) == 1 or triangles[part].sum() <= _TRIANGLES:
+        if len(part) == 1 or triangles[part].sum() <= PAIRS:
             yield part
             continue
         half = len(part) // 2

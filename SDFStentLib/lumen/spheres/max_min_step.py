@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...validation import Floats, Indices
-
-_PIVOTS = 100
-"""Most exchanges of a row. With more to do the height is too high; the climb measures it anew."""
+from ..tolerances import ROUNDS
 
 
 class LinearRows(NamedTuple):
@@ -49,7 +47,7 @@ def largest_steps(rows: LinearRows, box: Floats) -> tuple[Floats, Floats]:
     inverse = np.zeros((3, 3, len(box)))
     inverse[0, 2], inverse[1, 0], inverse[2, 1] = 1.0, sign[0], sign[1]
     inverse[1:, 2] = sign * slope[:, lowest]
-    for _ in range(_PIVOTS):
+    for _ in range(ROUNDS):
         x, y, t = solution = np.einsum("ijn,in->jn", inverse, bound)
         step[:, active], height[active] = np.clip(solution[:2], -box, box), t
         excess = np.repeat(t, counts) - distance

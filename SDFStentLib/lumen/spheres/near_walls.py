@@ -6,13 +6,10 @@ import numpy as np
 
 from ...geometry import NearPairs, norm
 from ...validation import Floats, Indices, Points
+from ..tolerances import ALIKE
 from .local_surface import LocalSurface
 from .max_min_step import LinearRows
 from .wall_points import WallPoints
-
-_SPARE = 0.05
-"""Share of the radius by which more of the wall is looked up than a step needs, not by its reach:
-that grows threefold while a center is far from its place."""
 
 _HELD = 0.7
 """Share of the centers left at which bounds of the others are dropped."""
@@ -49,7 +46,9 @@ class Neighborhood:
         active : (k,) array of int
             The centers that are looked at, in order.
         """
-        spare = _SPARE * radii[active]
+        # More than a step needs, not by its reach: that grows threefold while a center is far from
+        # its place.
+        spare = (ALIKE - 1) * radii[active]
         query, offset, distance = self._offsets(centers, active, radii[active] + reach, spare)
         starts = np.searchsorted(query, active)
         radius = np.minimum.reduceat(distance, starts)
