@@ -350,6 +350,9 @@ def test_a_branch_whose_narrowest_sphere_is_that_of_its_parent_has_no_lesion_the
     apart = replace(again, point=tuple(np.add(beside, [0.4 * width, 0.0, 0.0])))
     assert _each_once([again, own]) == [own]
     assert _each_once([apart, own]) == [own, apart]
+    # Of a throat through which less passes beside the other one nothing was told.
+    tighter = replace(again, minimum_diameter=0.85 * own.minimum_diameter)
+    assert _each_once([tighter, own]) == [own, tighter]
 
 
 def test_a_narrowing_at_a_fork_is_told_against_healthy_vessel_on_both_sides_of_it():

@@ -31,7 +31,7 @@ from .found_narrowings import FoundNarrowing, found_narrowings, measured_runs
 from .lesion_measuring import lesions_after, measured, with_limbs
 from .lesion_sections import healthy_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
-from .narrowings import SMALLEST_DEGREE, Plateau
+from .narrowings import EDGE_DEGREE, SMALLEST_DEGREE, Plateau
 from .runs import VesselRun, is_main
 
 SMALL_VESSEL = 3.0
@@ -113,13 +113,18 @@ def _told(lesions: Sequence[Lesion]) -> list[Lesion]:
 
 def _each_once(lesions: Sequence[Lesion], known: Sequence[Lesion] = ()) -> list[Lesion]:
     """The lesions without those of branches whose narrowest sphere is that of their vessel, or of
-    a known one."""
+    a known one; one that is narrower by more than an edge is not."""
     kept = [*known]
     for one in sorted(lesions, key=lambda one: (one.generation, -one.percent_diameter)):
-        away = [np.linalg.norm(np.subtract(one.point, other.point)) for other in kept]
-        if not any(way < other.minimum_diameter / 2 for way, other in zip(away, kept, strict=True)):
+        if not any(_is_same(one, other) for other in kept):
             kept.append(one)
     return kept[len(known) :]
+
+
+def _is_same(one: Lesion, other: Lesion) -> bool:
+    away = float(np.linalg.norm(np.subtract(one.point, other.point)))
+    is_narrower = one.minimum_diameter < (1 - EDGE_DEGREE) * other.minimum_diameter
+    return away < other.minimum_diameter / 2 and not is_narrower
 
 
 def vessel_name(run: VesselRun, is_main: bool) -> str:
