@@ -230,7 +230,7 @@ def test_limbs_meet_at_the_same_place_however_balls_and_links_are_numbered(at):
         order = random.permutation(len(balls.radii))
         number = np.argsort(order)
         links = random.permutation(random.permuted(number[balls.links], axis=1))
-        other = InnerBalls(balls.centers[order], balls.radii[order], links)
+        other = InnerBalls(balls.centers[order], balls.radii[order], links, balls.at_wall)
         (met,) = other.centers[WidestWays(other, number[inlet]).meetings()]
         np.testing.assert_array_equal(met, wanted)
 
@@ -262,6 +262,18 @@ def test_a_round_end_beside_flat_ones_is_found():
     assert tree.points[root][2] < points[:, 2].min() + 0.1
     assert len(tree.leaves) == 1
     assert tree.points[tree.leaves[0]][2] > points[:, 2].max() - 4.6
+
+
+def test_a_hole_in_the_wall_lets_no_line_out():
+    """The largest balls lay outside of it, kilometers wide, and a line of minutes led there."""
+    tube = straight_tube(radius=3.0, length=30.0)
+    middle = np.array([3.0, 0.0, tube.points[:, 2].mean()])
+    corners = tube.points[tube.triangles]
+    left = norm(corners.mean(axis=1) - middle) > 2.0
+    found = extract_centerline(Surface(tube.points, tube.triangles[left]))
+    assert len(found.lines.lines) == 1
+    assert norm(found.lines.points[:, :2]).max() < 1.0
+    assert found.lines.inscribed_radius.max() < 3.5
 
 
 def test_the_widest_end_is_the_inlet_though_a_narrow_one_is_open():

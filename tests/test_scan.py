@@ -130,6 +130,19 @@ def test_a_wide_trunk_is_cut_though_its_lines_part_at_once():
     assert all(face.area < inlet.area for face in outlets)
 
 
+@pytest.mark.parametrize("left", [0.7, 1.5, 2.5])
+def test_a_trunk_that_is_cut_off_short_is_the_inlet(left):
+    """Shorter than three of its radii it was no end, which nothing told, and a branch the inlet."""
+    mask, origin = voxels(FORK, 0.55)
+    cut_at = 26 - 4 * left
+    mask &= origin[2] + 0.55 * np.arange(mask.shape[2]) > cut_at
+    found = prepared_vessel(Labelmap(mask, np.full(3, 0.55), origin, np.eye(3)))
+    inlet, *outlets = found.ends
+    assert len(outlets) == 2
+    assert inlet.center == pytest.approx([0, 0, cut_at], abs=6.0)
+    assert inlet.diameter > max(outlet.diameter for outlet in outlets)
+
+
 def test_the_surface_is_closed_and_wound_outward(vessel):
     found = check_surface(vessel.surface)
     assert found.passed

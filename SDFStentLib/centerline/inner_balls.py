@@ -33,6 +33,8 @@ class InnerBalls(NamedTuple):
     """(n,), mm: the distance of each center from the surface's points."""
     links: Indices
     """(k, 2) balls with three of the surface's points in common."""
+    at_wall: Floats
+    """Radius of the widest ball that touches each point of the surface, mm; 0 where none does."""
 
     @property
     def link_lengths(self) -> Floats:
@@ -65,7 +67,10 @@ def inner_balls(surface: Surface) -> InnerBalls:
         is_inside &= dot(points.take(corner, axis=0) - centers, outward.take(corner, axis=0)) > 0
     links = _links(corners, found.neighbors, is_inside, triangles)
     number = np.cumsum(is_inside) - 1
-    return InnerBalls(centers[is_inside], radii[is_inside], number[links])
+    at_wall = np.zeros(len(points))
+    for corner in corners.T:
+        np.maximum.at(at_wall, corner[is_inside], radii[is_inside])
+    return InnerBalls(centers[is_inside], radii[is_inside], number[links], at_wall)
 
 
 def _balls(points: Points, corners: Indices) -> tuple[Points, Floats]:

@@ -55,7 +55,7 @@ class _Reach:
 
     def tips(self, known: Indices, wall: Surface) -> list[int]:
         """Balls in round ends, the farthest first; not those already known."""
-        centers, radii, links = self.balls
+        centers, radii, links, _ = self.balls
         values = self.reach.copy()
         values[known] = np.inf  # nothing reaches farther
         found = []
@@ -91,7 +91,7 @@ class _Reach:
         lies in the rim: the root of two of its radii away from the ball in the middle, or less, by
         what the triangles' sides, mm, leave open.
         """
-        centers, radii, _ = self.balls
+        centers, radii, *_ = self.balls
         way = self.beyond(peak, -np.inf)
         is_away = norm(centers[way] - centers[peak]) > np.sqrt(2.0) * radii[way] + side
         rim = way[: int(is_away.argmax())] if is_away.any() else way

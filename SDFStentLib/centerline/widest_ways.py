@@ -50,6 +50,7 @@ def with_places(balls: InnerBalls, places: Points) -> InnerBalls:
         np.vstack([balls.centers, places]),
         np.concatenate([balls.radii, balls.radii[beside]]),
         np.vstack([balls.links, np.column_stack([beside, own])]),
+        balls.at_wall,
     )
 
 
@@ -127,7 +128,7 @@ def limbs_met(balls: InnerBalls, former: Indices) -> Indices:
         one first. Of all that do there, these have the widest ball on their ways, then the widest
         neck between them. What is equal goes by position, as numbers of balls say nothing.
     """
-    centers, radii, links = balls
+    centers, radii, links, _ = balls
     own = np.arange(len(radii))
     onward = np.where(former >= 0, former, own)
     strides = [(onward, norm(centers[onward] - centers), radii[onward])]

@@ -10,6 +10,7 @@ from .caps import wall_of as wall_of
 from .closed_ends import OpenWall as OpenWall
 from .closed_ends import open_at_ends as open_at_ends
 from .cross_section import equivalent_diameters as equivalent_diameters
+from .ends import Spot as Spot
 from .ends import are_ends as are_ends
 from .ends import spot as spot
 from .expected_wall import Tube as Tube
@@ -59,6 +60,7 @@ from .stretch import FaceStretch as FaceStretch
 from .stretch import displacements as displacements
 from .stretch import face_stretches as face_stretches
 from .stretch import triangle_sizes as triangle_sizes
+from .tolerances import ACROSS as ACROSS
 from .tolerances import ALIKE as ALIKE
 from .tolerances import ASKEW as ASKEW
 from .tolerances import CENTERED as CENTERED
@@ -69,6 +71,7 @@ from .tolerances import NOTHING as NOTHING
 from .tolerances import OWN_WIDTH as OWN_WIDTH
 from .tolerances import ROUNDING as ROUNDING
 from .tolerances import TOLERANCE as TOLERANCE
+from .tolerances import WITHIN as WITHIN
 from .vessel_inside import VesselInside as VesselInside
 from .wall_map import RAYS as RAYS
 from .wall_map import RAYS_APART as RAYS_APART

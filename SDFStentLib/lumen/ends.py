@@ -1,8 +1,10 @@
 """Whether a flat spot or a rim is where a vessel ends, or only a spot or a hole in its wall.
 
-A vessel ends over its whole width, and goes on from there: as deep below an end as it is wide, a
-sphere hardly wider meets the wall; and from its middle the lumen reaches farther than the end does.
-The facets of a coarse wall, its steps and its slivers fail one or the other.
+A vessel ends over its whole width, and goes on from there: half as deep below an end as it is wide
+there is wall all round, no farther away than that; and from its middle the lumen reaches farther
+than the end does. The facets of a coarse wall, its steps and terraces fail one or the other, for
+below them the lumen is as wide as their vessel. What comes farther down, as the vessel from which
+this one comes, or a fork, plays no part.
 """
 
 from __future__ import annotations
@@ -13,14 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, SurfaceIndex, closest_on_segments, norm
+from ..geometry import Surface, SurfaceIndex, across, closest_on_segments, norm
 from ..validation import Flags, Floats, Indices, Points
 from .spheres import known_index
-from .tolerances import ALIKE, ASKEW, OWN_WIDTH, ROUNDING
+from .tolerances import ASKEW, OWN_WIDTH, ROUNDING
 
 _RAYS = 64
-_DOWN = 4.0
-"""Radii of a spot of few sides within which most lines into a coarse vessel meet its wall."""
+_MOST = 2 / 3
+"""Share of the directions across a vessel in which its wall is met; in others branches begin. Of
+half of them flat wall at junctions passes, by a patient and trees whose ends are known."""
 
 _BELOW = 0.01
 """Distance from a spot, as a share of its narrow radius, at which its inner side is looked for."""
@@ -39,21 +42,14 @@ class Spot(NamedTuple):
     """and to the farthest place."""
     faces: Indices
     """Indices of the triangles of the surface that lie in it."""
-    side: float
-    """The mean length of the pieces of its border, mm."""
-
-    @property
-    def is_round(self) -> bool:
-        """Whether it is wider for its pieces than a square or a strip, as five sides make it."""
-        return self.narrow > ALIKE * self.side / 2
 
 
 def spot(points: Points, rim: Indices, across: Floats, faces: Indices, center: Floats) -> Spot:
     """The spot with a given border, edges (k, 2) of a surface."""
     start, stop = points[rim[:, 0]], points[rim[:, 1]]
     places = closest_on_segments(start, stop, center[None])
-    narrow, side = float(places.distances[0]), float(norm(stop - start).mean())
-    return Spot(center, across, narrow, float(norm(start - center).max()), faces, side)
+    narrow = float(places.distances[0])
+    return Spot(center, across, narrow, float(norm(start - center).max()), faces)
 
 
 def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
@@ -63,57 +59,40 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     if not own:
         return found
     centers = np.array([spots[i].center for i in own])
-    across = np.array([spots[i].across for i in own])
-    narrow = np.array([spots[i].narrow for i in own])
-    step = _BELOW * narrow[:, None] * across
+    normals = np.array([spots[i].across for i in own])
+    step = _BELOW * np.array([[spots[i].narrow] for i in own]) * normals
     within, beyond = surface.contains(centers - step), surface.contains(centers + step)
-    inward = np.where(within, -1.0, 1.0)[:, None] * across
+    inward = np.where(within, -1.0, 1.0)[:, None] * normals
     index = known_index(surface)
-    spot_of = np.full(len(surface.triangles), -1)
-    for place, number in enumerate(own):
-        spot_of[spots[number].faces] = place
-    # As deep below as it is wide.
-    middles = centers + 2 * narrow[:, None] * inward
-    spans = (within != beyond) & _meet_wall(index, spot_of, middles, OWN_WIDTH * narrow)
-    for row in np.flatnonzero(spans).tolist():
+    for row in np.flatnonzero(within != beyond).tolist():
         one = spots[own[row]]
-        free = partial(_free, index, spot_of, row, centers[row], inward[row])
-        # A terrace of voxels has few sides as a coarse vessel has, which is narrow farther down.
-        is_narrow = one.is_round or free(_DOWN * one.narrow) <= 0.5
-        found[own[row]] = is_narrow and free(2 * one.wide) > 0
+        met = partial(_met, index, one.faces)
+        below = centers[row] + one.narrow * inward[row]
+        round_it = _round(inward[row])
+        is_met = met(below, round_it, OWN_WIDTH * np.sqrt(one.narrow * one.wide))
+        beside = (round_it @ round_it[is_met].T).max(axis=1, initial=-1.0)
+        if is_met.mean() > _MOST and beside.min() > ASKEW:
+            found[own[row]] = not met(centers[row], _cone(inward[row]), 2 * one.wide).all()
     return found
 
 
-def _meet_wall(index: SurfaceIndex, spot_of: Indices, middles: Points, radii: Floats) -> Flags:
-    """Mask (k,) of the spheres, each below the spot of its number, that meet wall outside of it."""
-    query, triangle, _ = index.near(middles, radii)
-    is_wall = spot_of[triangle] != query
-    query, triangle = query[is_wall], triangle[is_wall]
-    away = norm(index.closest_points(middles[query], triangle) - middles[query])
-    found = np.zeros(len(middles), dtype=bool)
-    found[query[away < radii[query]]] = True
-    return found
-
-
-def _free(
+def _met(
     index: SurfaceIndex,
-    spot_of: Indices,
-    number: int,
-    center: Floats,
-    inward: Floats,
+    own: Indices,
+    start: Points,
+    ways: Points,
     reach: float,
-) -> float:
-    """Share of straight lines from a spot's center into the lumen as long as `reach`, mm.
+) -> Flags:
+    """Mask (k,) of straight lines from a place, along `ways`, that meet wall within `reach`, mm.
 
-    Lines meet triangles that are not the spot's own as in Moeller and Trumbore, Fast, Minimum
+    Lines meet triangles that are not a spot's own as in Moeller and Trumbore, Fast, Minimum
     Storage Ray/Triangle Intersection, J Graph Tools 2 (1997).
     """
-    triangle = index.near(center[None], np.array([reach])).triangle
-    corners = index.corners[triangle[spot_of[triangle] != number]]
-    ways = _cone(inward)
+    triangle = index.near(start[None], np.array([reach])).triangle
+    corners = index.corners[triangle[~np.isin(triangle, own)]]
     first = corners[:, 0]
     u, v = corners[:, 1] - first, corners[:, 2] - first
-    from_first = center - first
+    from_first = start - first
     normal = np.cross(u, v)
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = -1.0 / (ways @ normal.T)
@@ -122,7 +101,14 @@ def _free(
         length = (from_first * normal).sum(axis=1) * scale
         is_met = (s >= -ROUNDING) & (t >= -ROUNDING) & (s + t <= 1 + ROUNDING)
         is_met &= (length > 0) & (length <= reach)
-    return 1.0 - float(is_met.any(axis=1).mean())
+    return np.asarray(is_met.any(axis=1))
+
+
+def _round(inward: Floats) -> Points:
+    """Directions (_RAYS, 3) all round across a direction."""
+    side, other = across(inward[None])[0]
+    turn = 2 * np.pi * np.arange(_RAYS) / _RAYS
+    return np.cos(turn)[:, None] * side + np.sin(turn)[:, None] * other
 
 
 def _cone(inward: Floats) -> Points:

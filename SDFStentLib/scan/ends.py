@@ -14,12 +14,13 @@ from ..segment import (
     CutPlane,
     PlaneFinder,
     Segment,
+    bounds_a_segment,
     closed_segment,
     segment_between,
     with_inlets,
 )
 from ..validation import Floats, Indices, InputError, Points
-from ..vessel import vessel_parts
+from ..vessel import VesselParts, vessel_parts
 
 WITHIN = 0.5
 """An end is cut within this part of the way to the next junction, so that each vessel stays."""
@@ -109,7 +110,7 @@ def flat_ends(
     """
     parts = vessel_parts(surface, tree)
     finder = PlaneFinder(parts)
-    found = [_plane(finder, end) for end in ends]
+    found = _bounding(parts, ends, [_plane(finder, end) for end in ends])
     planes = [None if one is None else one.plane for one in found]
     cut = [plane for plane in planes if plane is not None]
     if len(cut) < 2:
@@ -127,6 +128,22 @@ def flat_ends(
     segment = closed_segment(segment_between(parts, numbered))
     name = next(face.name for face in segment.faces if face.said == "0")
     return FlatEnds(replace(segment, faces=with_inlets(segment.faces, [name])), tuple(planes))
+
+
+def _bounding(
+    parts: VesselParts, ends: Sequence[RoundEnd], planes: Sequence[_FoundPlane | None]
+) -> list[_FoundPlane | None]:
+    """The planes that bound a segment together: without those of the shortest ends, in radii, where
+    one close to a junction has cut off the vessel to another end, too."""
+    found = list(planes)
+    lengths = [end.line.length / end.radius for end in ends]
+    shortest = iter(sorted((n for n, one in enumerate(found) if one), key=lengths.__getitem__))
+    # Ends: with one plane less each time.
+    while cut := [one.plane for one in found if one is not None]:
+        if len(cut) < 2 or bounds_a_segment(parts, cut):
+            break
+        found[next(shortest)] = None
+    return found
 
 
 def _named(ends: Sequence[RoundEnd], planes: Sequence[CutPlane | None], inlet: Points) -> int:

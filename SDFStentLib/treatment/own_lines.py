@@ -32,6 +32,7 @@ from ..validation import (
     coordinates,
 )
 from ..vessel import KnownEnds, known_ends
+from .blunt_ends import blunt_ends
 
 STEP = 0.2
 """Distance of two points of a line, in radii of the lumen."""
@@ -72,7 +73,8 @@ def extract_centerline(
     Parameters
     ----------
     surface : Surface
-        mm; its ends are open, closed by flat caps, or round and longer than they are wide.
+        mm; its ends are open, closed by flat caps or cut flat with a round rim, or round and longer
+        than they are wide.
     inlet : array_like, shape (3,), optional
         Names the proximal end, mm; by default the widest.
     outlets : sequence of array_like, shape (3,), optional
@@ -126,19 +128,57 @@ class _Goals(NamedTuple):
     ends: list[int]
 
 
+class _FoundEnds(NamedTuple):
+    """Ends of a lumen that are neither open nor flat, the widest first."""
+
+    balls: InnerBalls
+    """The balls, behind them one at every blunt end."""
+    ends: Indices
+    radii: Floats
+
+
+def _found_ends(
+    closed: Surface, balls: InnerBalls, begin: int | None, known: Indices
+) -> _FoundEnds:
+    """Round and blunt ends of a closed surface, besides the balls at those that are known."""
+    tips = round_ends(balls, begin, known, closed)
+    ends = np.r_[known, tips]
+    blunt = [
+        end
+        for end in blunt_ends(closed, balls.at_wall)
+        if _is_apart(balls, ends, end.place, end.radius)
+    ]
+    radii = np.r_[balls.radii[tips], [end.radius for end in blunt]]
+    if blunt:
+        tips = np.r_[tips, len(balls.radii) + np.arange(len(blunt))]
+        balls = with_places(balls, np.array([end.place for end in blunt]))
+    order = np.argsort(-radii, kind="stable")
+    return _FoundEnds(balls, tips[order], radii[order])
+
+
+def _is_apart(balls: InnerBalls, ends: Indices, place: Points, radius: float) -> bool:
+    """Whether a ball touches none of those at some ends."""
+    away = norm(balls.centers[ends] - place)
+    return bool((away > balls.radii[ends] + radius).all())
+
+
 def _goals(seeds: KnownEnds, are_named: bool) -> _Goals:
-    """The ends of a surface, and round ones besides if they are not named."""
+    """The ends of a surface, and round and blunt ones besides if they are not named."""
     given = [*([] if seeds.inlet is None else [seeds.inlet]), *seeds.outlets]
-    inner = inner_balls(seeds.surface)
-    balls = with_places(inner, seeds.surface.points[given]) if given else inner
-    known = len(inner.radii) + np.arange(len(given))
+    # What is open and no end is a hole in the wall.
+    closed = seeds.surface.closed
+    balls = inner_balls(closed)
+    known = len(balls.radii) + np.arange(len(given))
+    if given:
+        balls = with_places(balls, seeds.surface.points[given])
     goals = known
     if not are_named:
         begin = None if seeds.inlet is None else int(known[0])
-        tips = round_ends(balls, begin, known, seeds.surface)
+        found = _found_ends(closed, balls, begin, known)
+        balls = found.balls
         # A spot of two triangles that lie in one plane may pass for a flat end.
-        is_wider = (balls.radii[tips[:1]] > seeds.inlet_radius).any()
-        goals = np.r_[tips, known] if is_wider else np.r_[known, tips]
+        is_wider = found.radii.max(initial=0.0) > seeds.inlet_radius
+        goals = np.r_[found.ends, known] if is_wider else np.r_[known, found.ends]
     if len(goals) < 2:
         raise InputError(
             "surface: expected two ends or more, open, flat, or round and longer than wide, found "
@@ -173,9 +213,11 @@ class _Drawing:
             self._ranges.append((start, start + len(place)))
             for ball, number in zip(own.tolist(), at.tolist(), strict=True):
                 self._station_of.setdefault(ball, int(stations[number]))
-            for ball in way.tolist():  # those left out at the ends
+            # Those left out at the ends; another way leaves this one before its end.
+            inner = own[int(begin < 0) : -1] if len(own) > 2 else own
+            for ball in way.tolist():
                 if ball not in self._station_of:
-                    beside = own[norm(centers[own] - centers[ball]).argmin()]
+                    beside = inner[norm(centers[inner] - centers[ball]).argmin()]
                     self._station_of[ball] = self._station_of[int(beside)]
         self.points, self.radii = np.vstack(points), np.concatenate(widths)
         self._smooth(SMOOTHED)
