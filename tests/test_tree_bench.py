@@ -18,7 +18,7 @@ from benchmarks.trees.layout import VesselTree
 from benchmarks.trees.narrowing import HOURGLASS, MadeNarrowing, narrowed, narrowings
 from benchmarks.trees.surface import Wall, rims_of, wall_of
 from benchmarks.trees.synthetic import random_tree
-from benchmarks.trees.truth import Spheres, Truth, truths
+from benchmarks.trees.truth import Spheres, Truth, _is_passed, truths
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
 from SDFStentLib.plan import read_input_files
@@ -97,6 +97,17 @@ def test_a_cosine_is_told_as_it_was_made(depth):
     # Spheres of a steep flank touch it farther on: there they are smaller than the section.
     reach = 24 / np.pi * np.arccos(np.sqrt(0.1 / depth))
     assert reach - 0.6 <= truth.length <= reach + 1.2
+
+
+def test_a_throat_beside_which_a_wider_sphere_passes_is_no_narrowing():
+    """A branch of 4.5 mm with 1.6 mm in its own plane ran so near its parent that 2.7 mm passed."""
+    before, after, one = seeded(constant(2.0), "focal", [(0.5, 25.0, 37.0)], (25.0, 37.0))
+    (truth,) = truths(before, after, one)
+    way = np.array(truth.stations)[[truth.begin, truth.at, truth.end]]
+    assert not _is_passed(after[1], way, truth.minimum)
+    for narrower in (0.6, 0.7):  # as if a sphere of the lumen had been found in a part of it
+        assert _is_passed(after[1], way, narrower * truth.minimum)
+    assert not _is_passed(None, way, 0.6 * truth.minimum)
 
 
 def test_healthy_vessel_parts_two_narrowings_and_nothing_less():

@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import label
 from scipy.spatial import cKDTree
 
 from .layout import VesselTree
@@ -33,6 +34,10 @@ _STEP = 0.5
 _NEARLY = 1.05
 """Width over the narrowest one up to which a station is nearly the narrowest: a wall of triangles
 has dips that are shorter than the spacing of stations."""
+
+_WIDER = 1.25
+"""Width over the narrowest one of what passes beside a narrowing that is none: at a fork another
+vessel may lie so near that both are one lumen."""
 
 _PLATEAU = 3.0
 """Length beside the narrowing, mm, over which the healthy caliber is the median."""
@@ -218,6 +223,8 @@ def truths(
     for first, last in _parts(along, wide / reference(along)):
         at = first + int(np.argmin(wide[first : last + 1]))
         against = float(reference(along[at : at + 1])[0])
+        if _is_passed(after[1], centers[[first, at, last]], float(wide[at])):
+            raise ValueError(f"{narrowing.shape}: a wider way leads past it")
         found.append(
             Truth(
                 str(narrowing.shape), centers[at].tolist(), float(wide[at]), against,
@@ -226,6 +233,26 @@ def truths(
             )
         )  # fmt: skip
     return found
+
+
+def _is_passed(wall: Wall | None, way: np.ndarray, narrowest: float) -> bool:
+    """Whether a clearly wider sphere passes a narrowing, whatever way it takes from one end of that
+    to the other; `way` (3, 3) is those and the narrowest place."""
+    if wall is None:
+        return False
+    radius = _WIDER * narrowest / 2
+    low, high = way.min(axis=0) - 3 * radius, way.max(axis=0) + 3 * radius
+    corners = wall.points[wall.triangles]
+    is_near = ((corners.max(axis=1) > low - radius) & (corners.min(axis=1) < high + radius)).all(1)
+    cover = cKDTree(_cover(corners[is_near], _COVERS[1]))
+    # Cells are closer than the wall: no two of them lie on different sides of it.
+    step = radius / 5
+    counts = np.ceil((high - low) / step).astype(int) + 1
+    grid = low + step * np.moveaxis(np.indices(counts), 0, -1)
+    room, _ = cover.query(grid, distance_upper_bound=radius)
+    parts, _ = label(np.isinf(room), np.ones((3, 3, 3)))
+    begin, end = (tuple(np.rint((one - low) / step).astype(int)) for one in way[[0, 2]])
+    return bool(parts[begin] == parts[end] > 0)
 
 
 def _measured(
