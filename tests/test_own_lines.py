@@ -264,6 +264,16 @@ def test_a_round_end_beside_flat_ones_is_found():
     assert tree.points[tree.leaves[0]][2] > points[:, 2].max() - 4.6
 
 
+def test_the_share_that_is_done_is_told_and_changes_nothing():
+    shares = []
+    surface = contoured(chain(STRAIGHT, 3), 0.6)
+    found = extract_centerline(surface, show=shares.append)
+    np.testing.assert_array_equal(found.lines.points, extract_centerline(surface).lines.points)
+    assert len(shares) > 3
+    assert shares == sorted(set(shares))
+    assert 0 < shares[0] < shares[-1] < 1
+
+
 def test_a_hole_in_the_wall_lets_no_line_out():
     """The largest balls lay outside of it, kilometers wide, and a line of minutes led there."""
     tube = straight_tube(radius=3.0, length=30.0)

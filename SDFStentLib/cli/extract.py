@@ -107,7 +107,7 @@ def centerline_command(options: argparse.Namespace, console: Console) -> int:
             lines = extract_lines(*seeds)
             ends = seeds.surface.points[[seeds.inlet, *seeds.outlets]]
         else:
-            found = inputs.vessel.extracted(inlet, outlets)
+            found = inputs.vessel.extracted(inlet, outlets, show)
             lines = found.lines
             ends = lines.points[[lines.lines[0][0], *(line[-1] for line in lines.lines)]]
             console.warn(found.warnings)

@@ -116,7 +116,7 @@ def prepared_vessel(
     show(PIECE)
     rough = _surface(piece)
     show(WALL)
-    found = extract_centerline(rough)
+    found = extract_centerline(rough, show=lambda done: show(WALL + done * (LINES - WALL)))
     show(LINES)
     tree = found.centerline
     ends = round_ends_of(tree, _borders(piece))

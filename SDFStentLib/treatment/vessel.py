@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -171,9 +171,14 @@ class Vessel:
         """`line_seeds` of its wall, to extract a centerline."""
         return line_seeds(self.surface, inlet, outlets)
 
-    def extracted(self, inlet: Points | None = None, outlets: Sequence[Points] = ()) -> Extraction:
+    def extracted(
+        self,
+        inlet: Points | None = None,
+        outlets: Sequence[Points] = (),
+        show: Callable[[float], None] = lambda _share: None,
+    ) -> Extraction:
         """`extract_centerline` of its wall."""
-        return extract_centerline(self.surface, inlet, outlets)
+        return extract_centerline(self.surface, inlet, outlets, show)
 
     @property
     def landmarks(self) -> Landmarks:
