@@ -1,6 +1,7 @@
 """A segment between two places of a vessel, closed by flat caps in planes that meet only it."""
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -33,10 +34,11 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.geometry import Line, NamedFaces, Surface, signed_volume
 from SDFStentLib.lumen import flat_caps
+from SDFStentLib.segment import CutPlane, planes_apart
 from SDFStentLib.stent import AtDistalEnd, Stent
 from SDFStentLib.treatment import SegmentWishes, Treatment, Vessel, extract_segment
 from SDFStentLib.validation import DeploymentError, InputError
-from SDFStentLib.vessel import branch_names
+from SDFStentLib.vessel import branch_names, vessel_parts
 
 
 def vessel_of(phantom):
@@ -213,6 +215,25 @@ def test_a_segment_over_a_bifurcation_has_its_inlet_at_the_root():
     np.testing.assert_array_equal(closed.planes[0].origin, vessel.centerline.project(left).point)
     assert np.linalg.norm(faces["inlet"].center - left) < 0.2
     assert closed.before.volume < kept.volume
+
+
+def test_planes_that_bound_nothing_with_the_others_are_told():
+    """For one plane of a patient's 89 that lay beyond another 48 were left out, the inlet's too."""
+    vessel = vessel_of(branching_pulmonary_artery())
+    parts, planes = vessel_parts(vessel.surface, vessel.centerline), []
+    for leaf, share in ((0, 0.1), (LEFT, 0.8), (RIGHT, 0.8), (RIGHT, 0.9), (RIGHT, 0.905)):
+        line = Line(way_to(vessel, leaf))
+        at = share * line.length
+        turned = 1 if leaf == 0 and share < 0.5 else -1
+        (place,), ahead = line.at([at]), line.at([at + 0.5])[0] - line.at([at - 0.5])[0]
+        planes.append(CutPlane("", place, turned * ahead / np.linalg.norm(ahead)))
+    inlet, left, right, beyond, _ = planes
+    assert planes_apart(parts, [inlet, left, right]) == []
+    assert planes_apart(parts, [inlet, beyond, left, right]) == [1]
+    assert sorted(planes_apart(parts, planes)) == [3, 4]
+    assert planes_apart(parts, [inlet, replace(left, normal=-left.normal), right]) == [1]
+    nowhere = replace(left, origin=left.origin + 100.0)
+    assert planes_apart(parts, [inlet, nowhere, left, right]) == [1]
 
 
 def test_a_branch_that_the_centerline_does_not_know_is_said_to_stay_open():

@@ -14,8 +14,8 @@ from ..segment import (
     CutPlane,
     PlaneFinder,
     Segment,
-    bounds_a_segment,
     closed_segment,
+    planes_apart,
     segment_between,
     with_inlets,
 )
@@ -133,16 +133,16 @@ def flat_ends(
 def _bounding(
     parts: VesselParts, ends: Sequence[RoundEnd], planes: Sequence[_FoundPlane | None]
 ) -> list[_FoundPlane | None]:
-    """The planes that bound a segment together: without those of the shortest ends, in radii, where
-    one close to a junction has cut off the vessel to another end, too."""
+    """The planes that bound a segment together: without those beyond another one, which lies close
+    to a junction and has cut off their vessel, too; of two that meet without the shorter end's."""
     found = list(planes)
     lengths = [end.line.length / end.radius for end in ends]
-    shortest = iter(sorted((n for n, one in enumerate(found) if one), key=lengths.__getitem__))
+    order = sorted(range(len(found)), key=lambda n: -lengths[n])
     # Ends: with one plane less each time.
-    while cut := [one.plane for one in found if one is not None]:
-        if len(cut) < 2 or bounds_a_segment(parts, cut):
-            break
-        found[next(shortest)] = None
+    while apart := planes_apart(parts, [one.plane for n in order if (one := found[n])]):
+        own = [n for n in order if found[n]]
+        for number in apart:
+            found[own[number]] = None
     return found
 
 

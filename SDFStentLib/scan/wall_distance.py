@@ -174,11 +174,12 @@ def _filtered(distance: Grid, widths: Floats) -> Grid:
 def _local_radius(depth: Grid, labelmap: Labelmap, asked: Flags) -> Grid:
     """Radius of the vessel beside every voxel that is asked for, in voxels.
 
-    It is the depth of the deepest place, not farther than that depth: balls stand as boxes here,
-    for which a filter takes a tenth of the time. Places are taken by depth, from one step of
-    `WIDTHS` to the next.
+    It is the depth of the deepest place, not farther than that depth. Places are taken by depth,
+    from one step of `WIDTHS` to the next: a filter finds the deepest in a box, in a tenth of the
+    time that it takes for balls, and what lies in no ball has its own. With boxes alone a branch
+    that leaves a wide trunk aslant to the axes was filtered as wide as that, and closed.
     """
-    from scipy.ndimage import gaussian_filter, maximum_filter
+    from scipy.ndimage import distance_transform_edt, gaussian_filter, maximum_filter
 
     depth = depth / labelmap.voxel
     steps = np.array(WIDTHS) / SHARE
@@ -191,6 +192,8 @@ def _local_radius(depth: Grid, labelmap: Labelmap, asked: Flags) -> Grid:
         for box, _ in _boxes(is_own, reach):
             own = np.where(is_own[box], np.minimum(depth[box], steps[-1]), 0)
             deepest = maximum_filter(own, (2 * reach + 1).tolist())
+            away = distance_transform_edt(~is_own[box], sampling=labelmap.spacing / labelmap.voxel)
+            deepest[away > least + BESIDE] = 0
             np.maximum(found[box], deepest, out=found[box])
     even = found.copy()
     for box, inner in _boxes(asked, np.full(3, _TAIL // 2)):

@@ -3,7 +3,7 @@
 from .cut_planes import CutPlane as CutPlane
 from .cut_planes import PlaneFinder as PlaneFinder
 from .open_segment import OpenSegment as OpenSegment
-from .open_segment import bounds_a_segment as bounds_a_segment
+from .open_segment import planes_apart as planes_apart
 from .open_segment import segment_between as segment_between
 from .segment import Segment as Segment
 from .segment import closed_segment as closed_segment

@@ -66,17 +66,34 @@ def segment_between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegm
     return found
 
 
-def bounds_a_segment(vessel: VesselParts, planes: Sequence[CutPlane]) -> bool:
-    """Whether two planes bound a part of a vessel together."""
-    return not isinstance(_between(vessel, planes), str)
+def planes_apart(vessel: VesselParts, planes: Sequence[CutPlane]) -> list[int]:
+    """Indices of the planes that do not bound the part of a vessel that most of them bound.
+
+    Of two that meet within the vessel it is the latter one.
+    """
+    cut, apart, kept = _whole(vessel), list[int](), list[int]()
+    for number, plane in enumerate(planes):
+        divided = _divided(cut, plane)
+        if isinstance(divided, str):
+            apart.append(number)
+        else:
+            cut = divided
+            kept.append(number)
+    if not kept:
+        return apart
+    sides = _SidesOfCuts(cut.mesh, cut.rims)
+    ends = np.cumsum([len(rim) for rim in cut.rims])[:-1]
+    above, below = (np.split(labels, ends) for labels in (sides.above, sides.below))
+    most = np.bincount([labels[0] for labels in above]).argmax()
+    for number, one, other in zip(kept, above, below, strict=True):
+        if (one != most).any() or (other == most).any():
+            apart.append(number)
+    return apart
 
 
 def _between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment | str:
     """The part of a vessel between two planes, or the reason why there is none."""
-    none = np.zeros(0, np.int64)
-    surface = vessel.surface
-    every = np.arange(len(surface.triangles))
-    cut = OpenSegment(vessel, CutSurface(surface.points, surface.triangles, every, none))
+    cut = _whole(vessel)
     for number, plane in enumerate(planes, start=1):
         divided = _divided(cut, plane)
         if isinstance(divided, str):
@@ -85,6 +102,13 @@ def _between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment | s
         cut = divided
     sides = _SidesOfCuts(cut.mesh, cut.rims)
     return _only(cut, sides.kept) if sides.are_apart else "the vessel goes on beside them"
+
+
+def _whole(vessel: VesselParts) -> OpenSegment:
+    """All of a vessel, bounded by no plane."""
+    surface, none = vessel.surface, np.zeros(0, np.int64)
+    every = np.arange(len(surface.triangles))
+    return OpenSegment(vessel, CutSurface(surface.points, surface.triangles, every, none))
 
 
 class _SidesOfCuts:
@@ -101,9 +125,9 @@ class _SidesOfCuts:
         pairs = pairs[~is_cut[pairs[:, 0]]] // 3
         label = component_labels(len(mesh.triangles), pairs[:, 0], pairs[:, 1])
         order = np.argsort(keys)
-        above = label[order[np.searchsorted(keys, rim_keys, sorter=order)] // 3]
-        below = label[order[np.searchsorted(keys, end * count + start, sorter=order)] // 3]
-        self.are_apart = not ((above != above[0]).any() or (below == above[0]).any())
+        self.above = above = label[order[np.searchsorted(keys, rim_keys, sorter=order)] // 3]
+        self.below = label[order[np.searchsorted(keys, end * count + start, sorter=order)] // 3]
+        self.are_apart = not ((above != above[0]).any() or (self.below == above[0]).any())
         self.kept = np.flatnonzero(label == above[0])
 
 
