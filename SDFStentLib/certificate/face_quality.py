@@ -11,6 +11,7 @@ from ..cautions import Caution
 from ..geometry import (
     NO_HEIGHT,
     compacted,
+    corners_in_columns,
     dot,
     face_normals,
     faces_at,
@@ -50,11 +51,10 @@ def degenerate_triangles(
     opposite side, differ by the last bit of the numbers from which they were computed.
     """
     judged = np.arange(len(triangles)) if among is None else among
-
     columns = np.ascontiguousarray(points.T)
 
     def lacks_height(block: Triangles) -> Flags:
-        corners = _corners(columns, block)
+        corners = corners_in_columns(columns, block)
         lengths, areas = _sides_and_areas(corners)
         least = np.maximum(_ROUNDING * np.abs(corners).max(axis=(0, 1)), NO_HEIGHT * lengths[2])
         return areas <= least * lengths[2]
@@ -64,7 +64,7 @@ def degenerate_triangles(
 
 def smallest_angles(points: Points, triangles: Triangles) -> Floats:
     """Smallest angle (m,) of every triangle, degrees; 0 for one without area."""
-    lengths, areas = _sides_and_areas(_corners(np.ascontiguousarray(points.T), triangles))
+    lengths, areas = _sides_and_areas(corners_in_columns(np.ascontiguousarray(points.T), triangles))
     # The smallest angle lies between the two longer sides.
     between = lengths[1] * lengths[2]
     sine = np.divide(areas, between, out=np.zeros(len(areas)), where=between > 0)
@@ -138,15 +138,9 @@ def _folded_flat(points: Points, triangles: Triangles, doubtful: Flags) -> Indic
     return folded[doubtful[folded]]
 
 
-def _corners(columns: Floats, triangles: Triangles) -> Floats:
-    """Corners of triangles (corner, coordinate, triangle), by columns (3, n) of the points."""
-    corners = np.ascontiguousarray(triangles.T)
-    return np.stack([columns.take(corner, axis=1) for corner in corners])
-
-
 def _sides_and_areas(corners: Floats) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Side lengths (3, m) in ascending order, and twice the areas (m,)."""
-    first, second, third = corners
+    """Side lengths (3, m) in ascending order, and twice the areas (m,), of `corners_in_columns`."""
+    first, second, third = corners.swapaxes(0, 1)
     (ux, uy, uz), side, (vx, vy, vz) = second - first, third - second, first - third
     u, v, w = (np.sqrt(x * x + y * y + z * z) for x, y, z in ((ux, uy, uz), (vx, vy, vz), side))
     low, high = np.minimum(u, v), np.maximum(u, v)

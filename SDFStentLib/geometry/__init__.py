@@ -14,6 +14,7 @@ from .faces import NO_HEIGHT as NO_HEIGHT
 from .faces import NamedFaces as NamedFaces
 from .faces import checked_faces as checked_faces
 from .faces import compacted as compacted
+from .faces import corners_in_columns as corners_in_columns
 from .faces import face_areas as face_areas
 from .faces import face_normals as face_normals
 from .faces import faces_at as faces_at

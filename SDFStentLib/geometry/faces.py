@@ -141,14 +141,14 @@ def compacted(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:
 # Vectors stand in columns, (3, m): sums along a last axis of three take NumPy several times longer.
 
 
-def _corners(columns: Floats, triangles: Triangles) -> Floats:
+def corners_in_columns(columns: Floats, triangles: Triangles) -> Floats:
     """Coordinates (coordinate, corner, face) by columns (3, n) of the points."""
     return columns.take(np.ascontiguousarray(triangles.T), axis=1)
 
 
 def _area_vectors(columns: Floats, triangles: Triangles) -> Floats:
     """Normals (3, m) whose length is twice the area."""
-    corners = _corners(columns, triangles)
+    corners = corners_in_columns(columns, triangles)
     return _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
@@ -157,7 +157,7 @@ def _cone_volumes(points: Points, triangles: Triangles) -> Floats:
 
     Cones from the origin would cancel to less than their rounding on a surface far from it.
     """
-    corners = _corners(np.ascontiguousarray(points.T), triangles)
+    corners = corners_in_columns(np.ascontiguousarray(points.T), triangles)
     corners -= corners.mean(axis=(1, 2), keepdims=True)
     return _dot(corners[:, 0], _cross(corners[:, 1], corners[:, 2])) / 6.0
 
