@@ -193,6 +193,40 @@ def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path,
     assert np.linalg.norm(ends - left, axis=1).max() > stent["deployed_length_mm"]
 
 
+def test_a_report_has_lesions_of_other_vessels_when_it_is_asked(pulmonary, tmp_path, capsys):
+    """Those of the treated vessel are told likewise in both, by the numbers that `measure` has."""
+    measured = document_of(["measure", *pulmonary], capsys)["lesions"]
+    for number in (1, len(measured)):
+        place = ["--at-lesion", number, "--length", 12, "--diameter", 7]
+        _, report = deployed([*pulmonary, *place], tmp_path, capsys)
+        _, whole = deployed([*pulmonary, *place, "--whole-tree"], tmp_path, capsys)
+        told = {one["number"]: one for one in report["lesions"]}
+        every = {one["number"]: one for one in whole["lesions"]}
+        assert number in told
+        assert len(told) < len(every) == len(measured)
+        assert report["lesions_elsewhere"] == len(every) - len(told)
+        assert whole["lesions_elsewhere"] == 0
+        assert told == {one: every[one] for one in told}
+        vessels = {one["vessel"] for one in every.values() if one["stents"]}
+        assert {one for one in every if every[one]["vessel"] in vessels} <= told.keys()
+        for known in measured:
+            if known["number"] in told:
+                lesion = told[known["number"]]
+                assert {key: lesion[key] for key in known} == known
+
+
+def test_a_page_says_how_many_lesions_it_leaves_out(pulmonary, tmp_path, capsys):
+    page = tmp_path / "page.html"
+    place = ["--at-lesion", 1, "--length", 20, "--diameter", 9, "--quiet"]
+    for more, is_told in ((), True), (("--whole-tree",), False):
+        deploy = ["deploy", *pulmonary, *place, "-o", tmp_path / "o.vtp", "--report", page, *more]
+        said_of(deploy, capsys)
+        page_text = page.read_text(encoding="utf-8")
+        assert (
+            bool(re.search(r"\d more in other vessels (is|are) not listed\.", page_text)) == is_told
+        )
+
+
 def test_what_a_stent_leaves_within_itself_is_not_said_to_lie_beyond(tube, tmp_path, capsys):
     place = ["--at-lesion", 1, "--length", 40, "--diameter", 5.4]
     said, _ = deployed([*tube, *place], tmp_path, capsys)
@@ -248,8 +282,8 @@ def test_the_marked_reference_gives_the_same_numbers_in_measure_deploy_and_run(
     plan = tmp_path / "plan.json"
     place = ["--at-lesion", 1, "--length", 20, "--diameter", 8, "--save-plan", plan]
     told = document_of(["measure", *pulmonary, *words[:4]], capsys)["lesions"]
-    _, report = deployed([*pulmonary, *place, *words[:4]], tmp_path, capsys)
-    said_of(["run", plan, "-o", tmp_path / "run"], capsys)
+    _, report = deployed([*pulmonary, *place, *words[:4], "--whole-tree"], tmp_path, capsys)
+    said_of(["run", plan, "-o", tmp_path / "run", "--whole-tree"], capsys)
     again = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
     for lesions in (report["lesions"], again["lesions"]):
         for known, lesion in zip(told, lesions, strict=True):

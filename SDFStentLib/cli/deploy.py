@@ -307,4 +307,5 @@ class _PlanJob:
             picture=picture,
             views=self._views,
             voxels=self._voxels,
+            whole_tree=self.options.whole_tree,
         )

@@ -46,6 +46,21 @@ FRAME = "--frame {RAS,LPS}  of a surface whose file does not say it\n"
 ACCEPTANCE = """\
 --accept-changed-inputs  go on although a file is not the one that the plan was made with
 """
+HIDING = "--hide-device  pictures without the struts of the stents\n"
+OUTPUT = f"""\
+--figure F  diameters as .png or .svg
+--picture F  the vessel before and after as .png
+--angiogram F  the stents as an X-ray shows them before and after, from their best views: .png, .svg
+--export-0d DIR  the vessel as networks for svZeroDSolver; needs a flow
+--export-device F  rings and struts of the stents, as .vtp
+--device-mesh F  with --export-device: this straight mesh, along z and centered, laid along the axis
+{HIDING}--steps DIR  the surface at every step, for ParaView
+--every MM  with --steps: only after so much of diameter
+--arrays  add displacement and stretch to the surface
+--whole-tree  all lesions of the tree in the report, not only those of treated vessels
+--voxel-range  deploy with the wall half a voxel in and out, too: ranges of lumen, stenosis and
+  pressure drop, for a surface from `prepare`; takes up to three times as long
+"""
 JSON = "--json  print JSON instead of sentences\n"
 VERBOSE = "--verbose  say all of it\n"
 TALK = """\

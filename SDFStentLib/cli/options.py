@@ -14,10 +14,12 @@ from .option_table import (
     BY_VESSEL,
     CENTERLINE,
     FRAME,
+    HIDING,
     JSON,
     MARKS,
     NAMES,
     OTHER_PLACES,
+    OUTPUT,
     ROOT,
     SURFACE,
     TALK,
@@ -38,20 +40,6 @@ from .views.options import add_views
 OF_STENT = parameters_of(Stent)
 DEVICE = "--device NAME  one of `sdfstent devices`; sets its lengths\n"
 DEVICE_TABLE = "--device-table F  JSON with devices of your own, too\n"
-HIDING = "--hide-device  pictures without the struts of the stents\n"
-OUTPUT = f"""\
---figure F  diameters as .png or .svg
---picture F  the vessel before and after as .png
---angiogram F  the stents as an X-ray shows them before and after, from their best views: .png, .svg
---export-0d DIR  the vessel as networks for svZeroDSolver; needs a flow
---export-device F  rings and struts of the stents, as .vtp
---device-mesh F  with --export-device: this straight mesh, along z and centered, laid along the axis
-{HIDING}--steps DIR  the surface at every step, for ParaView
---every MM  with --steps: only after so much of diameter
---arrays  add displacement and stretch to the surface
---voxel-range  deploy with the wall half a voxel in and out, too: ranges of lumen, stenosis and
-  pressure drop, for a surface from `prepare`; takes up to three times as long
-"""
 
 
 def parser() -> Parser:

@@ -73,7 +73,7 @@ def comparison_document(comparison: PlanComparison) -> dict[str, Any]:
                 "name": one.name,
                 "certified": one.is_certified,
                 "failure": one.failure or None,
-                "report": None if one.result is None else plan_report(one.result),
+                "report": one.result and plan_report(one.result, whole_tree=True),
             }
             for one in comparison.alternatives
         ],

@@ -275,8 +275,9 @@ def covered_words(lesions: Sequence[Facts] | None) -> str:
     return " ".join(one.named("_against").words for one in lesions) or COVERS_NONE
 
 
-def lesion_table(lesions: Sequence[Facts] | None) -> list[str]:
-    """Table of the vessel's lesions, with the residual stenosis of each."""
+def lesion_table(lesions: Sequence[Facts] | None, elsewhere: int = 0) -> list[str]:
+    """Table of the lesions of a report, with the residual stenosis of each, and how many others
+    there are elsewhere."""
     if lesions is None:
         return []
     title = heading("Lesions of the vessel")
@@ -286,6 +287,9 @@ def lesion_table(lesions: Sequence[Facts] | None) -> list[str]:
     looks = {"narrowest at (x, y, z)": "place", "after": "n degree", **dict.fromkeys(numbers, "n")}
     limbs = [(one.named("number").words, one.named("_limbs").words) for one in lesions]
     said = [paragraph(f"Lesion {number}: {words}", "small") for number, words in limbs if words]
+    if elsewhere:
+        more = f"{elsewhere} more in other vessels {'is' if elsewhere == 1 else 'are'} not listed."
+        said.append(paragraph(more, "small"))
     return [title, facts_table(lesions, looks), *said]
 
 

@@ -13,7 +13,7 @@ from ..files import atomic_path, check_suffix, write_bytes
 from ..lumen import REACH
 from ..plan import PlanResult
 from ..scan import VoxelRange
-from ..treatment import lumen_into
+from ..treatment import lesions_of_treated, lumen_into
 from ..validation import as_path, check_is_a
 from ..version import VERSION
 from ..vessel import SMALLEST_DEGREE
@@ -142,6 +142,7 @@ def plan_report(
     picture: bytes | str | None = None,
     views: PlannedViews | None = None,
     voxels: VoxelRange | None = None,
+    whole_tree: bool = False,
 ) -> Report:
     """The report, ready to be written as JSON, page and figure.
 
@@ -158,6 +159,8 @@ def plan_report(
         As of `planned_views`, where these are known already.
     voxels : VoxelRange, optional
         Ranges of the result within half a voxel, where these were asked for.
+    whole_tree : bool
+        Whether it has all lesions of the tree: without, `lesions_of_treated`.
 
     Raises
     ------
@@ -175,6 +178,7 @@ def plan_report(
         "sdfstent_version": VERSION,
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "inputs": input_facts(result),
+        **_lesions(result, units, whole_tree),
         **_subjects(result, units, arrays_kept=not lost),
         **({} if voxels is None else {"voxel_range": voxel_facts(voxels)}),
         "views": planned_views(result) if views is None else views,
@@ -188,6 +192,18 @@ def plan_report(
     return Report(sections, picture)
 
 
+def _lesions(result: PlanResult, units: str, whole_tree: bool) -> dict[str, Any]:
+    """Facts on lesions, and the number of those on which a report has none."""
+    every = result.lesions
+    if every is None:
+        return {"lesions": None, "lesions_elsewhere": None}
+    told = every if whole_tree else lesions_of_treated(every, result.treatment.stents)
+    return {
+        "lesions": [treated_lesion_facts(one, units) for one in told],
+        "lesions_elsewhere": len(every) - len(told),
+    }
+
+
 def _subjects(result: PlanResult, units: str, *, arrays_kept: bool) -> dict[str, Any]:
     """Facts on the result, subject by subject."""
     judged = result.treatment.certificate
@@ -196,7 +212,6 @@ def _subjects(result: PlanResult, units: str, *, arrays_kept: bool) -> dict[str,
     return {
         "stents": stents,
         "diameters": stents[0].as_dict()["diameters"],
-        "lesions": result.lesions and [treated_lesion_facts(one, units) for one in result.lesions],
         "today": result.today and today_facts(result.today),
         "left": result.residual and residual_facts(result.residual),
         "flow": None if result.flow is None else flow_section(result.flow),

@@ -7,8 +7,6 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from ..cautions import Caution, by_gravity
 from ..certificate import (
     CERTIFIED,
@@ -19,7 +17,7 @@ from ..certificate import (
     Certificate,
 )
 from ..plan import PlanResult, Today
-from ..treatment import TreatedLesion, TreatedStent, label_of, residual_of
+from ..treatment import TreatedLesion, TreatedStent, label_of, nearest_lesion, residual_of
 from .branches import branches_fact, contact_fact, of_each
 from .facts import GLANCE, LINES, Fact, Facts, listed
 from .flow import flow_line, flow_section, flow_sentences
@@ -200,7 +198,7 @@ def _stenosis(
     covered = [one for one in lesions if numbers.intersection(one.stents)]
     left = residual_of(lesions, every)
     if not covered or left is None:
-        beside = _nearest_lesion(stents, lesions)
+        beside = nearest_lesion(stents, lesions)
         percent = beside.after.percent_diameter
         hand = f"{UNCOVERED}; lesion {beside.number}: {degree_word(percent)} left"
         beneath = f"{UNCOVERED}; that of lesion {beside.number}"
@@ -224,14 +222,6 @@ def _left(percent: float, words: str, hand: str, beneath: str) -> Fact:
         tile=STENOSIS,
         beneath=beneath,
     )
-
-
-def _nearest_lesion(
-    stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]
-) -> TreatedLesion:
-    points = np.array([one.after.point for one in lesions])
-    apart = [one.axis.line.nearest(points).distances for one in stents]
-    return lesions[int(np.min(apart, axis=0).argmin())]
 
 
 def surface_fact(certificate: Certificate | None, units: str = "mm") -> Fact:

@@ -6,6 +6,8 @@ from .branches import branches_beside as branches_beside
 from .branches import lumen_into as lumen_into
 from .lesions import Residual as Residual
 from .lesions import TreatedLesion as TreatedLesion
+from .lesions import lesions_of_treated as lesions_of_treated
+from .lesions import nearest_lesion as nearest_lesion
 from .lesions import residual_of as residual_of
 from .lesions import treated_lesions as treated_lesions
 from .lesions import with_known_minima as with_known_minima

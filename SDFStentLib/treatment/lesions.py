@@ -162,6 +162,34 @@ class Residual:
         return f"{away} {way} stent {self.stent}"
 
 
+def nearest_lesion(
+    stents: Sequence[PlacedStent], lesions: Sequence[TreatedLesion]
+) -> TreatedLesion:
+    """The lesion whose narrowest place is nearest to one of the stents; there is one."""
+    points = np.array([one.after.point for one in lesions])
+    apart = [one.axis.line.nearest(points).distances for one in stents]
+    return lesions[int(np.min(apart, axis=0).argmin())]
+
+
+def lesions_of_treated(
+    lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent]
+) -> tuple[TreatedLesion, ...]:
+    """The lesions on which a treatment tells, with the numbers that they have among all.
+
+    Those of the vessels in which a stent covers one, what the treatment has changed, and for a
+    stent that covers none the nearest.
+    """
+    treated = {one.before.vessel for one in lesions if one.stents}
+    covering = {number for one in lesions for number in one.stents}
+    loose = [one for one in stents if one.number not in covering] if lesions else []
+    nearest = {nearest_lesion([one], lesions).number for one in loose}
+    return tuple(
+        one
+        for one in lesions
+        if one.before.vessel in treated or one.after is not one.before or one.number in nearest
+    )
+
+
 def residual_of(lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent]) -> Residual | None:
     """Narrowest place in the vessels in which stents cover a lesion, wherever it lies.
 

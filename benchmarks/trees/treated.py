@@ -62,7 +62,8 @@ def _treated(folder: Path, made: Path, lesion: int, truth: Truth) -> Found:
     ends = [np.array(stent["axis"][f"{end}_mm"]) for end in ("start", "end")]
     first, last = sorted(int(np.linalg.norm(stations - one, axis=1).argmin()) for one in ends)
     lumen = stent["diameters"]["over_stented_length"]["after"]["minimum_mm"]
-    left, after = report["left"], report["lesions"][lesion]["after"]
+    left, lesions = report["left"], report["lesions"]
+    after = next(one["after"] for one in lesions if one["number"] == lesion + 1)
     if left is None or left["minimum_mm"] is None or after is None:
         return {"failure": "what is left is not told"}
     place = np.array(left["place_mm"])
