@@ -80,10 +80,11 @@ class FolderButton(RunButton):
             folder = desktop().folder(button, title)
             return stepsInto(folder) if folder else None
 
-        super().__init__(button, begin, _percent, attempt, onDone)
+        super().__init__(button, begin, stopWords, attempt, onDone)
 
 
-def _percent(fraction):
+def stopWords(fraction):
+    """Text of a button that stops what is done to a fraction."""
     return _("Stop, {percent:.0f} %").format(percent=100 * fraction)
 
 

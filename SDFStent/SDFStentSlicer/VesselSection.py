@@ -1,13 +1,9 @@
 """Section Vessel of the panel: walls, segments and lines to choose from. The choice is bound to parameters."""
 
-import time
-
 import slicer
-from slicer.i18n import tr as _
 
 from . import Conversion, Outputs
-from .PanelParts import RunButton
-from .Portions import working
+from .PanelParts import RunButton, stopWords
 
 
 class VesselSection:
@@ -103,7 +99,7 @@ class CenterlineButton:
         self._logic, self.onMade = logic, lambda _former: None
         self._parameterNode = self._vessel = None
         self._button = RunButton(
-            button, self._begin, _seconds, attempt, lambda former: self.onMade(former)
+            button, self._begin, stopWords, attempt, lambda former: self.onMade(former)
         )
 
     @property
@@ -122,13 +118,8 @@ class CenterlineButton:
         self._button.stop()
 
     def _begin(self):
-        self._vessel, begun = _vesselOf(self._parameterNode), time.monotonic()
-        made = self._logic.centerlineInPortions(self._parameterNode)
-        return working(made, lambda: time.monotonic() - begun)
-
-
-def _seconds(seconds):
-    return _("Stop, {seconds:.0f} s").format(seconds=seconds)
+        self._vessel = _vesselOf(self._parameterNode)
+        return self._logic.centerlineInPortions(self._parameterNode)
 
 
 def _vesselOf(parameterNode):

@@ -1,5 +1,7 @@
 """*Make* beside the choice of a centerline: of a model, of a segment as it was segmented, and with what else happens meanwhile."""
 
+import threading
+
 import numpy as np
 import pytest
 import slicer
@@ -137,13 +139,46 @@ def test_meanwhile_the_button_stops_and_nothing_is_left(host, aPanel, aVessel):
     aPanel.ui.centerlineSelector.setCurrentNode(None)
     count = aVessel[0].GetScene().GetNumberOfNodesByClass("vtkMRMLModelNode")
     host.click(aPanel.ui.extractButton)
-    assert aPanel.ui.extractButton.text.startswith("Stop, ")
+    assert aPanel.ui.extractButton.text == "Stop, 0 %"
     assert aPanel.vessel.making.isRunning
     host.click(aPanel.ui.extractButton)
     assert not aPanel.vessel.making.isRunning
     assert aPanel.ui.extractButton.text == "Make"
     assert aVessel[0].GetScene().GetNumberOfNodesByClass("vtkMRMLModelNode") == count
     assert aPanel._parameterNode.centerline is None
+
+
+def test_the_button_tells_the_share_that_is_done(host, aPanel, aVessel):
+    aPanel.ui.vesselSelector.setCurrentNode(aVessel[0])
+    shares = list(aPanel.logic.centerlineInPortions(aPanel._parameterNode))
+    assert shares == sorted(shares)
+    assert shares[0] == 0
+    assert shares[-1] > 0.5
+
+
+def test_nothing_goes_on_for_a_centerline_that_is_stopped(host, aPanel, aVessel, monkeypatch):
+    """A thread went on to the end, and whatever else was to be done shared the processor with it."""
+    from SDFStentSlicer import MadeCenterline
+
+    heard, mayGoOn = [], threading.Event()
+
+    class Vessel:
+        def extracted(self, show):
+            show(0.25)
+            heard.append(threading.current_thread())
+            mayGoOn.wait()
+            show(0.5)
+            heard.append("went on")
+
+    monkeypatch.setattr(MadeCenterline, "vessel_of", lambda _surface: (Vessel(), ""))
+    aPanel.ui.vesselSelector.setCurrentNode(aVessel[0])
+    host.click(aPanel.ui.extractButton)
+    host.processUntil(lambda: heard)
+    host.processUntil(lambda: aPanel.ui.extractButton.text == "Stop, 25 %")
+    host.click(aPanel.ui.extractButton)
+    mayGoOn.set()
+    heard[0].join()
+    assert "went on" not in heard
 
 
 def test_of_a_vessel_that_is_left_none_is_made(host, aPanel, aVessel):
