@@ -6,7 +6,7 @@ import pytest
 from segmentations import named, voxels, write
 
 from SDFStentLib.files import read_surface
-from SDFStentLib.plan import Plan, read_input_files, run_plan
+from SDFStentLib.plan import Plan, case_of, read_input_files, run_plan
 from SDFStentLib.scan import treated_voxel_range, voxel_range
 from SDFStentLib.stent import AtLesion, InputFile, Stent
 from SDFStentLib.validation import InputError
@@ -116,4 +116,4 @@ def test_where_half_a_voxel_closes_a_lumen_no_stent_has_a_range(scanned):
     stent = Stent(7.5, placement=AtLesion(1), length=24)
     result = run_plan(Plan((stent,), InputFile(surface), InputFile(line)))
     with pytest.raises(InputError, match=r"wider than a voxel, 4\.80 mm, .* got 4\.\d\d mm"):
-        treated_voxel_range(result, 2.4)
+        treated_voxel_range(case_of(result.plan, result.inputs), result, 2.4)

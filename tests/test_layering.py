@@ -56,7 +56,7 @@ USES = {
     "treatment": "geometry centerline certificate flow lumen stent deformation vessel segment",
     "plan": "geometry centerline files flow lumen stent deformation treatment vessel view",
     "simulation": "geometry certificate flow files centerline segment treatment vessel",
-    "scan": "geometry centerline certificate lumen segment treatment vessel plan",
+    "scan": "geometry centerline certificate flow lumen segment treatment vessel plan",
     "beside": "treatment vessel plan",
     "report": "geometry centerline certificate lumen stent files treatment vessel segment flow "
     "plan simulation view scan",

@@ -24,11 +24,11 @@ class Here:
         """Measure what does not depend on the states; yields None until it is done."""
         yield from inPortions(lambda: self._treatment.survey)
 
-    def told(self, search):
-        """Measure all, by what a `LesionSearch` finds, or by None; yields None until it is done, then returns a `TreatedCase`."""
+    def told(self, found):
+        """Measure all, by the vessel's lesions that were found, or by None; yields None until it is done, then returns a `TreatedCase`."""
         yield from self.survey()
         result = yield from inPortions(lambda: self._treatment.result)
-        case = TreatedCase(self._vessel, result, (yield from _found(search)))
+        case = TreatedCase(self._vessel, result, found)
         lesions = yield from inPortions(lambda: case.lesions)
         yield from inPortions(
             lambda: with_sections(tuple(one.after for one in lesions or () if one.stents))
@@ -72,9 +72,8 @@ class Elsewhere:
         if self._isGone:
             yield from self._here.survey()
 
-    def told(self, search):
+    def told(self, found):
         """As of `Here`."""
-        found = yield from _found(search)
         try:
             if not self._isGone:
                 survey = yield from self._surveyed()
@@ -85,7 +84,7 @@ class Elsewhere:
                 return case if not isShared else (yield from self._withLesions(case, found))
         except ProcessEnded:
             self._isGone = True
-        return (yield from self._here.told(search))
+        return (yield from self._here.told(found))
 
     def _beginSurvey(self):
         try:
@@ -148,14 +147,6 @@ class Asked:
         return self._process.answer(Clock.wait())
 
 
-def _found(search):
-    """The lesions that a search finds, or None without one; yields None until they are found."""
-    if search is None:
-        return None
-    yield from search.portions()
-    return search.found
-
-
 class _Processes:
     """Processes of this application: one deploys, the other one previews; new ones replace those that have ended."""
 
@@ -189,9 +180,13 @@ class _Processes:
 processes = _Processes()
 
 
-def calculation(case):
-    """`Elsewhere` or `Here` for a `Case` of the library, and its `Treatment`."""
+def calculation(case, mayShare=True):
+    """`Elsewhere` or `Here` for a `Case` of the library, and its `Treatment`.
+
+    One that may not share leaves the second process to the previews of another vessel.
+    """
     vessel, treatment, process = case.vessel, case.treatment(), processes.deploying
     if process is None:
         return Here(vessel, treatment), treatment
-    return Elsewhere(process, processes.previewing, vessel, treatment), treatment
+    second = processes.previewing if mayShare else None
+    return Elsewhere(process, second, vessel, treatment), treatment

@@ -4,7 +4,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.geometry import Precision
 
-from . import Dependencies, Flow, Plans, Previewing, Results
+from . import Conversion, Dependencies, Flow, Plans, Previewing, Results
 from .Portions import ELSEWHERE, inPortions, isPortion, working
 from .Previewing import PreviewRun
 from .Stenting import Stenting
@@ -53,6 +53,9 @@ def _begun(parameterNode, vessel, inputs):
         "places": Dependencies.places(parameterNode),
         "search": search,
         "remark": vessel.remark,
+        "halfVoxel": Conversion.halfVoxel(
+            parameterNode.vessel, Conversion.segmentOf(parameterNode)
+        ),
     }
     return (yield from inPortions(lambda: Stenting(case, **further)))
 
@@ -74,6 +77,16 @@ def flow(shown):
         return
     yield from working(run.findFlow(known), fraction=lambda: 1.0)
     Results.showFlow(shown.parameterNode, run)
+
+
+def ranged(shown):
+    """The range that half a voxel makes of the last deployment, where it is measured; an iterator as `SDFStentLogic.steps`."""
+    run, parameterNode = shown.run, shown.parameterNode
+    if run is None or not run.recorded or run.result is None:
+        return
+    yield from working(run.findRange(), fraction=lambda: 1.0)
+    if shown.run is run and parameterNode.certificateSummary:  # else the numbers were taken away
+        Results.showRange(parameterNode, run)
 
 
 def _grow(shown, signature, run, surface=None):

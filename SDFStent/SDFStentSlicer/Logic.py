@@ -140,7 +140,7 @@ class SDFStentLogic(
         untilDone(self.centerlineInPortions(parameterNode))
 
     def centerlineInPortions(self, parameterNode):
-        """Centerline in portions: a generator that yields None and returns the one that was chosen before."""
+        """Centerline in portions: a generator that yields the share that is done and returns the one that was chosen before."""
         return (yield from MadeCenterline.portions(parameterNode, self._inputs))
 
     def lesionSearch(self, parameterNode):
@@ -199,6 +199,10 @@ class SDFStentLogic(
     def tellFlow(self, parameterNode):
         """Show the pressures and flows of the last deployment by the flow data that are set; an iterator as `steps`."""
         yield from Deploying.flow(self._shownOf(parameterNode))
+
+    def ranged(self, parameterNode):
+        """Tell the range that half a voxel makes of the last deployment in a vessel that was made of voxels; an iterator as `steps`."""
+        yield from Deploying.ranged(self._shownOf(parameterNode))
 
     def landmarks(self, parameterNode):
         """The library's `Landmarks` of the vessel; None before its lesions were searched, or where it has none."""

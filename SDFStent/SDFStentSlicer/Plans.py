@@ -50,7 +50,7 @@ def caseOf(parameterNode, vessel, live=False, **how):
         straightening_fraction=parameterNode.get("settings.straightening_fraction"),
     )
     rows = rows_of([stent.draft for stent in stentsOf(parameterNode)])
-    return Case(vessel, plan, rows=rows, **how)
+    return Case(vessel, plan, "RAS", rows=rows, **how)
 
 
 def _planned(stents, has_named=False):

@@ -21,6 +21,7 @@ from SDFStentLib.report import (
     result_tiles,
     stent_lines,
     stents_in,
+    voxel_facts,
 )
 from SDFStentLib.validation import InputError, one_line
 
@@ -143,10 +144,16 @@ def showSummary(parameterNode, run):
     summaries = [stentSummary(treated, run.lesions) for treated in run.result.stents]
     left = run.case.residual
     headline = [] if left is None else [str(residual_facts(left).named("words"))]
-    parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *_flowParagraphs(run)])
+    told = [*headline, *summaries, *_flowParagraphs(run), *_rangeSentences(run)]
+    parameterNode.lumenSummary = "\n\n".join(told)
     showAtHand(parameterNode, run)
     tiles = result_tiles(
-        run.result.stents, run.lesions, run.result.certificate, _cautions(run), _flowOf(run)
+        run.result.stents,
+        run.lesions,
+        run.result.certificate,
+        _cautions(run),
+        _flowOf(run),
+        run.voxels,
     )
     parameterNode.tiles = json.dumps(tiles)
 
@@ -177,6 +184,19 @@ def _flowParagraphs(run):
         for at, facts in flow_moments(section, stents_in(section))
     ]
     return [*told, *section["notes"]]
+
+
+def _rangeSentences(run):
+    """Sentences on the range by half a voxel; or the reason for none."""
+    if run.voxels is None:
+        return [run.voxelRemark] if run.voxelRemark else []
+    return voxel_facts(run.voxels).sentences
+
+
+def showRange(parameterNode, run):
+    """The numbers with the range by half a voxel, where it is known."""
+    with slicer.util.NodeModify(parameterNode):
+        showSummary(parameterNode, run)
 
 
 def showFlow(parameterNode, run):

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 from slicer.i18n import tr as _
 
+from SDFStentLib.scan import moved_cases, range_of_walls
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Calculating
@@ -50,19 +51,21 @@ class Stenting:
     `steps`.
     """
 
-    def __init__(self, case, *, places=(), search=None, remark=""):
+    def __init__(self, case, *, places=(), search=None, remark="", halfVoxel=None):
         """Hold the stents of the library's `Case`.
 
         `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel, `remark`
-        what to know of its surface.
+        what to know of its surface, `halfVoxel` half a voxel, mm, where it was made of voxels.
         """
         self._calculation, self._treatment = Calculating.calculation(case)
+        self._planned, self._half, self._walls = case, halfVoxel, ()
         self.surface, self.centerline = case.vessel.surface, case.vessel.centerline
         self.points = self.surface.points
         self.recorded, self._axes = [], {}
         self.places, self.result, self.case = list(places), None, None
         self.search, self.remark = search, remark
         self.flow, self.flowRemark = None, ""
+        self.voxels, self.voxelRemark = None, ""
         self.shownMap = self.shownStent = self.shownFlow = None
 
     def steps(self):
@@ -102,7 +105,10 @@ class Stenting:
 
     def measure(self):
         """Diameters, certificate and lesions of the finished treatment; yields None until it is done."""
-        case = yield from self._calculation.told(self.search)
+        if self.search is not None:
+            yield from self.search.portions()
+        found = None if self.search is None else self.search.found
+        case = yield from self._calculation.told(found)
         self.result, self.case = case.told, case
 
     @property
@@ -131,6 +137,28 @@ class Stenting:
             self.flowRemark = error.sentence(REMEDIES)
         except DeploymentError as error:
             self.flowRemark = str(error)
+
+    def findRange(self):
+        """Find the range that half a voxel makes of the numbers; yields None until it is found. Once `measure` was run to its end.
+
+        `voxels` is the library's `VoxelRange` then, None for a vessel that was not made of voxels, or `voxelRemark` says why. Pressures
+        are in there as `findFlow` was asked for them last.
+        """
+        treated = self._planned, self.case
+        half, flow = self._half, self.flow
+        if half is None:
+            return
+        self.voxels, self.voxelRemark = None, ""
+        try:
+            if not self._walls:
+                moved = yield from inPortions(lambda: moved_cases(*treated, half))
+                self._walls = yield from _treatedWalls(moved)
+            walls = self._walls
+            self.voxels = yield from inPortions(lambda: range_of_walls(*treated, walls, half, flow))
+        except InputError as error:
+            self.voxelRemark = error.sentence(REMEDIES)
+        except DeploymentError as error:
+            self.voxelRemark = str(error)
 
     def at(self, percent):
         """Points at a percentage of the way, and a `DrawnStent` for every stent that is there by then.
@@ -169,3 +197,14 @@ class Stenting:
                 self.centerline = self.centerline.with_points(
                     self.recorded[-1].deployment.companions
                 )
+
+
+def _treatedWalls(moved):
+    """`TreatedCase`s of the library's `MovedCase`s; yields portions until all are measured."""
+    walls = []
+    for one in moved:
+        calculation, _treatment = Calculating.calculation(one.case, mayShare=False)
+        for state in calculation.states():
+            yield state if isPortion(state) else None
+        walls.append((yield from calculation.told(one.lesions)))
+    return walls

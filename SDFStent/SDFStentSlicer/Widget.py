@@ -118,7 +118,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         )
         self.sections[0].isAwaited = lambda: self.recoil.isBusy
         self.vessel.making.onMade = self.sections[0].join
-        self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
+        self.preparation, self.ranging = (
+            SteppedRun(lambda _value: None, self._onPrepared) for _ in range(2)
+        )
         self._carrying = Clock.timer(self._carry, 0)
 
     def cleanup(self):
@@ -181,8 +183,8 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
                 widget.setCurrentNode(None)
             self._parameterNode.status = ""  # of a click that is long ago when this is shown again
         self._parameterNode = parameterNode
-        self.preparation.cancel()
-        self._suggesting.cancel()
+        for run in (self.preparation, self.ranging, self._suggesting):
+            run.cancel()
         self.session.setParameterNode(parameterNode)
         self.stents = None
         self.binder.show(None)
@@ -261,6 +263,7 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
     # Deploying
 
     def _onStart(self):
+        self.ranging.cancel()
         self.ui.progressBar.value = 0
         self._state.enable(self._parameterNode)
 
@@ -271,6 +274,9 @@ class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VT
         self.ui.progressBar.value = 0 if error else 100
         if error is not None:  # of a hand that goes on there may be many
             self._showError(error, logging.DEBUG if self.session.isPreview else logging.INFO)
+        elif self._parameterNode is not None:
+            self.ranging.cancel()
+            self.ranging.start(self.logic.ranged(self._parameterNode))
         self._state.enable(self._parameterNode, standing)
 
     def _showError(self, error, level=logging.INFO):

@@ -27,6 +27,7 @@ from ..plan import (
     StepFiles,
     as_read,
     carried_out,
+    case_of,
     load_plan,
     read_plan_inputs,
     save_plan,
@@ -289,7 +290,9 @@ class _PlanJob:
             return None
         with self.console.progress("Deploying half a voxel in and out") as show:
             show(0.0)
-            return treated_voxel_range(self._result, self.half_voxel)
+            result, half = self._result, self.half_voxel
+            case = case_of(result.plan, result.inputs)
+            return treated_voxel_range(case, result, half, result.flow)
 
     @property
     def _result(self) -> PlanResult:

@@ -2,6 +2,7 @@
 
 from ..vessel import with_sections as with_sections
 from .case import Case as Case
+from .case import CaseOutcome as CaseOutcome
 from .case import TreatedCase as TreatedCase
 from .case import lying as lying
 from .case import sizing_parameters as sizing_parameters

@@ -64,6 +64,8 @@ class Fact(NamedTuple):
     """Words beneath the value on its tile, where these are not the one before and the note."""
     is_caution: bool = False
     """Whether it has to be known before one relies on the others."""
+    within: tuple[float, float] | None = None
+    """The smallest and largest value after treatment, by the size of the voxels."""
 
     @property
     def change(self) -> str:
@@ -101,12 +103,19 @@ class Fact(NamedTuple):
         unit = "" if self.note.endswith(f" {self.unit}") else f" {self.unit}"
         was = "".join(f"before {one}{unit}" for one in self._rounded[:-1])
         beneath = f"{was}{self.note}".removeprefix(", ") if self.beneath is None else self.beneath
+        if self.within is not None and np.isfinite(self.within).all():
+            span = "-".join(number_text(one, self._digits) for one in self.within)
+            beneath = f"({span}) {beneath}"
         return Tile(self.tile or self.label, self.in_few, beneath, self.is_caution)
 
     @property
     def _rounded(self) -> list[str]:
-        digits = 0 if self.unit == "%" else 1
-        return [number_text(one, digits) for one in (self.before, self.after) if one is not None]
+        states = self.before, self.after
+        return [number_text(one, self._digits) for one in states if one is not None]
+
+    @property
+    def _digits(self) -> int:
+        return 0 if self.unit == "%" else 1
 
     def __str__(self) -> str:
         return f"{self.label}: {self.change}" if self.label else self.words

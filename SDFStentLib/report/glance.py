@@ -9,6 +9,7 @@ from typing import Any
 
 from ..cautions import Caution
 from ..certificate import Certificate
+from ..scan import Ranged, VoxelRange
 from ..treatment import (
     PlacedStent,
     PreviewedNumbers,
@@ -179,6 +180,7 @@ def result_tiles(
     certificate: Certificate | None,
     cautions: Sequence[Caution] = (),
     flow: Mapping[str, Any] | None = None,
+    voxels: VoxelRange | None = None,
 ) -> list[Tile]:
     """Tiles of a treatment, cautions in front; all of `COMPARED` are among them.
 
@@ -194,17 +196,37 @@ def result_tiles(
         Cautions of the whole treatment.
     flow : mapping, optional
         `flow_section` before and after treatment.
+    voxels : VoxelRange, optional
+        Ranges of lumen and pressure drop, where the vessel was made of voxels.
     """
+    lumens = [one for stent in stents for one in _lumen_within(stent, voxels)]
+    drops = () if flow is None else flow_facts(flow, "mean").at(GLANCE)
+    if voxels is not None:
+        drops = [_within(one, one.key, voxels.drops) for one in drops]
     told = [
         *warning_facts(cautions),
-        *_worst(one for stent in stents for one in measured_facts(stent).at(GLANCE)),
+        *_worst(lumens),
         *outcome_facts(stents, lesions),
-        *([] if flow is None else _worst(flow_facts(flow, "mean").at(GLANCE))),
+        *_worst(drops),
         surface_fact(certificate),
     ]
     # What is the engineer's comes last, whatever it says.
     told.sort(key=lambda one: (one.tile == SURFACE, not one.is_caution))
     return [one.tiled for one in told]
+
+
+def _lumen_within(stent: TreatedStent, voxels: VoxelRange | None) -> Iterator[Fact]:
+    """Facts on a stent at a glance, its lumen with the range."""
+    for one in measured_facts(stent).at(GLANCE):
+        if voxels is None or one.tile != LUMEN:
+            yield one
+        else:
+            yield _within(one, f"stent {stent.row}", voxels.lumens)
+
+
+def _within(fact: Fact, name: str, ranges: Sequence[Ranged]) -> Fact:
+    """A fact with the range, of all, of the thing with a name."""
+    return next((fact._replace(within=one.after) for one in ranges if one.name == name), fact)
 
 
 def _worst(facts: Iterable[Fact]) -> Iterator[Fact]:

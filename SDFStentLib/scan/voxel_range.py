@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..flow import FlowAnswer
 from ..geometry import oriented_triangles, vertex_normals
 from ..lumen import inscribed_spheres
-from ..plan import PlanResult, TreatedCase, case_of, flow_answer, flow_of_plan
+from ..plan import Case, CaseOutcome, TreatedCase, flow_answer, flow_model
 from ..treatment import Vessel
 from ..validation import Floats, InputError, Points
 from ..vessel import Lesion, lesions_after
@@ -70,14 +71,19 @@ def voxel_range(vessel: Vessel, half: float) -> VoxelRange:
     )
 
 
-def treated_voxel_range(result: PlanResult, half: float) -> VoxelRange:
-    """The range of a plan that was carried out: it is carried out on both walls, too.
+def treated_voxel_range(
+    case: Case, treated: CaseOutcome, half: float, flow: FlowAnswer | None = None
+) -> VoxelRange:
+    """The range of a case that was treated: it is treated on both walls, too.
 
     Parameters
     ----------
-    result : PlanResult
+    case : Case
+    treated : CaseOutcome
     half : float
         Half a voxel, mm.
+    flow : FlowAnswer, optional
+        Pressures and flows before and after, where these are known.
 
     Raises
     ------
@@ -86,21 +92,54 @@ def treated_voxel_range(result: PlanResult, half: float) -> VoxelRange:
     InputError, DeploymentError
         As `Treatment`, for a wall that was moved.
     """
-    narrowest = min(one.before.minimum for one in result.told.final_stents)
+    walls = []
+    for one in moved_cases(case, treated, half):
+        treatment = one.case.treatment().result
+        walls.append(TreatedCase(one.case.vessel, treatment, one.lesions))
+    return range_of_walls(case, treated, walls, half, flow)
+
+
+class MovedCase(NamedTuple):
+    """A case in a vessel whose wall was moved along its normals, its lesions measured there."""
+
+    case: Case
+    lesions: tuple[Lesion, ...]
+
+
+def moved_cases(case: Case, treated: CaseOutcome, half: float) -> tuple[MovedCase, ...]:
+    """The case with the same stents at the same places and the wall moved in, and out.
+
+    Parameters and errors as of `treated_voxel_range`.
+    """
+    narrowest = min(one.before.minimum for one in treated.told.final_stents)
     if narrowest <= 2 * half:
         raise InputError(
             f"voxel range: expected a lumen wider than a voxel, {2 * half:.2f} mm, where a stent "
             f"lies, got {narrowest:.2f} mm: half a voxel closes it; leave the range out."
         )
-    walls: list[PlanResult | TreatedCase] = [
-        result,
-        *(_carried_out(result, one) for one in _moved(result.vessel, half)),
-    ]
-    names = _named(result.lesions or ())
+    settings = replace(case.plan.settings, certify=False)
+    plan = replace(case.plan.in_frame(case.frame), stents=case.stents, settings=settings)
+    return tuple(
+        MovedCase(replace(case, vessel=wall.vessel, plan=plan), wall.lesions)
+        for wall in _moved(case.vessel, half)
+    )
+
+
+def range_of_walls(
+    case: Case,
+    treated: CaseOutcome,
+    moved: Sequence[TreatedCase],
+    half: float,
+    flow: FlowAnswer | None = None,
+) -> VoxelRange:
+    """The range of a treated case by what came of its `moved_cases`; parameters as of
+    `treated_voxel_range`."""
+    walls: list[CaseOutcome] = [treated, *moved]
+    names = _named(treated.lesions or ())
     befores = [[one.before for one in wall.lesions or ()] for wall in walls]
     afters = [[one.after for one in wall.lesions or ()] for wall in walls]
     lumens = [wall.told.final_stents for wall in walls]
-    drops = [] if result.flow is None else [_drops(result, wall) for wall in walls]
+    drops = [] if flow is None else [_drops(case, flow, treated, wall) for wall in walls]
     return VoxelRange(
         half,
         _ranged(
@@ -119,7 +158,7 @@ def treated_voxel_range(result: PlanResult, half: float) -> VoxelRange:
             [[one.after.minimum for one in wall] for wall in lumens],
         ),
         _ranged(
-            () if result.flow is None else result.flow.parts,
+            () if flow is None else flow.parts,
             [before for before, _ in drops],
             [after for _, after in drops],
         ),
@@ -161,20 +200,14 @@ def _closed(lesion: Lesion, native: Lesion, half: float) -> Lesion:
     return replace(lesion, minimum_diameter=0.0, percent_diameter=100.0)
 
 
-def _carried_out(result: PlanResult, wall: _Wall) -> TreatedCase:
-    """Treatment with the same stents at the same places in a vessel whose wall was moved."""
-    case = case_of(result.plan, result.inputs)
-    settings = replace(case.plan.settings, certify=False)
-    plan = replace(case.plan.in_frame(case.frame), stents=case.stents, settings=settings)
-    treatment = replace(case, vessel=wall.vessel, plan=plan).treatment().result
-    return TreatedCase(wall.vessel, treatment, wall.lesions)
-
-
-def _drops(result: PlanResult, wall: PlanResult | TreatedCase) -> tuple[list[float], list[float]]:
+def _drops(
+    case: Case, flow: FlowAnswer, treated: CaseOutcome, wall: CaseOutcome
+) -> tuple[list[float], list[float]]:
     """Pressure drops over the parts of a flow, mmHg, before and after."""
-    model = flow_of_plan(result.plan, wall.vessel, result.inputs.frame)
-    assert model is not None
-    answer = flow_answer(model, wall.vessel, wall.treatment, result.vessel.lesions)
+    answer = flow
+    if wall is not treated:
+        model = flow_model(wall.vessel, flow.known, case.frame)
+        answer = flow_answer(model, wall.vessel, wall.treatment, case.vessel.lesions)
     assert answer.after is not None
     before, after = (
         [one.recovered.value for one in state["mean"].drops]
