@@ -11,6 +11,7 @@ from benchmarks.sweep import vessel as anatomy
 from SDFStentLib.files import polydata_from_arrays
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import caps_of, flat_caps
+from SDFStentLib.lumen.spheres import LocalSurface, index_within
 from SDFStentLib.vessel import vessel_ends
 
 SEEDS = range(4)
@@ -68,6 +69,21 @@ def test_a_vessel_of_few_sides_has_two_ends_closed_or_open(seed):
         surface = a_prism(random, closed)
         assert len(vessel_ends(surface)) == 2
         assert len(caps_of(surface)) == sum(closed)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_ends_are_the_same_by_the_wall_near_them_and_by_an_index_of_all(seed):
+    random = np.random.default_rng(seed)
+    for surface in (a_prism(random), a_prism(random, refined=4), PULMONARY.surface):
+        near, whole = (Surface(surface.points, surface.triangles) for _ in range(2))
+        kept = LocalSurface.of(whole, whole.points).index
+        index, numbers = index_within(whole, whole.points[:1], np.ones(1))
+        assert index is kept
+        assert len(numbers) == len(whole.triangles)
+        found, expected = caps_of(near), caps_of(whole)
+        assert len(found) == len(expected) > 0
+        for one, other in zip(found, expected, strict=True):
+            np.testing.assert_array_equal(one.faces, other.faces)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -46,7 +46,7 @@ def fans_by_walking(corners: Indices, first: Sides, second: Sides) -> int:
     count = len(corners)
     own = np.arange(count, dtype=first.dtype)
     onward = own.copy()
-    onward[first], onward[second] = _following(second), _following(first)
+    onward[first], onward[second] = following(second), following(first)
     is_end = onward == own
     lowest = np.minimum(own, onward)
     longest = int(np.bincount(corners).max())
@@ -67,15 +67,16 @@ def fans_by_graph(corners: Indices, side: Sides, other: Sides) -> int:
     same_way = corners[side] == corners[other]
     return connected(
         len(corners),
-        np.r_[side, _following(side)],
+        np.r_[side, following(side)],
         np.r_[
-            np.where(same_way, other, _following(other)),
-            np.where(same_way, _following(other), other),
+            np.where(same_way, other, following(other)),
+            np.where(same_way, following(other), other),
         ],
     )[0]
 
 
-def _following(side: Sides) -> Sides:
+def following(side: Sides) -> Sides:
+    """Side after each one (k,) in its face; it starts at the corner where that one ends."""
     # NumPy divides by a number several times quicker than it takes the remainder.
     first = side // 3 * 3
     return np.where(side - first == 2, first, side + 1)

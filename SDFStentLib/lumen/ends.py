@@ -17,7 +17,7 @@ import numpy as np
 
 from ..geometry import Surface, SurfaceIndex, across, closest_on_segments, norm
 from ..validation import Flags, Floats, Indices, Points
-from .spheres import known_index
+from .spheres import index_within
 from .tolerances import ASKEW, OWN_WIDTH, ROUNDING
 
 _RAYS = 64
@@ -63,21 +63,27 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     step = _BELOW * np.array([[spots[i].narrow] for i in own]) * normals
     within, beyond = surface.contains(centers - step), surface.contains(centers + step)
     inward = np.where(within, -1.0, 1.0)[:, None] * normals
-    index = known_index(surface)
-    for row in np.flatnonzero(within != beyond).tolist():
-        one = spots[own[row]]
-        met = partial(_met, index, one.faces)
-        below = centers[row] + one.narrow * inward[row]
+    rows = np.flatnonzero(within != beyond)
+    if not len(rows):
+        return found
+    narrow, wide = (np.array([getattr(spots[i], name) for i in own]) for name in ("narrow", "wide"))
+    aside, ahead = OWN_WIDTH * np.sqrt(narrow * wide), 2 * wide
+    around = np.maximum(narrow + aside, ahead) * (1 + ROUNDING)
+    index, numbers = index_within(surface, centers[rows], around[rows])
+    for row in rows.tolist():
+        met = partial(_met, index, numbers, spots[own[row]].faces)
+        below = centers[row] + narrow[row] * inward[row]
         round_it = _round(inward[row])
-        is_met = met(below, round_it, OWN_WIDTH * np.sqrt(one.narrow * one.wide))
+        is_met = met(below, round_it, float(aside[row]))
         beside = (round_it @ round_it[is_met].T).max(axis=1, initial=-1.0)
         if is_met.mean() > _MOST and beside.min() > ASKEW:
-            found[own[row]] = not met(centers[row], _cone(inward[row]), 2 * one.wide).all()
+            found[own[row]] = not met(centers[row], _cone(inward[row]), float(ahead[row])).all()
     return found
 
 
 def _met(
     index: SurfaceIndex,
+    numbers: Indices,
     own: Indices,
     start: Points,
     ways: Points,
@@ -85,11 +91,12 @@ def _met(
 ) -> Flags:
     """Mask (k,) of straight lines from a place, along `ways`, that meet wall within `reach`, mm.
 
-    Lines meet triangles that are not a spot's own as in Moeller and Trumbore, Fast, Minimum
-    Storage Ray/Triangle Intersection, J Graph Tools 2 (1997).
+    `numbers` are those of the index's triangles in the surface. Lines meet triangles that are not a
+    spot's own as in Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, J Graph
+    Tools 2 (1997).
     """
     triangle = index.near(start[None], np.array([reach])).triangle
-    corners = index.corners[triangle[~np.isin(triangle, own)]]
+    corners = index.corners[triangle[~np.isin(numbers.take(triangle), own)]]
     first = corners[:, 0]
     u, v = corners[:, 1] - first, corners[:, 2] - first
     from_first = start - first

@@ -312,7 +312,9 @@ def _healthy(caliber: Caliber, at: int, way: int, least: float, junction: float)
     away, diameter, kept = _side(caliber, at, way)
     is_cut = caliber.is_cut[way > 0]
     last = np.searchsorted(away, away + KEPT * kept, side="right")
-    tops = np.array([kept[first:end].max() for first, end in enumerate(last.tolist())])
+    # The greatest from each place to its last.
+    ends = np.stack([np.arange(len(last)), last], axis=1).ravel()
+    tops = np.maximum.reduceat(np.append(kept, 0.0), ends)[::2]
     rise = np.divide(tops, kept, out=np.ones(len(kept)), where=kept > 0) - 1
     steepest = np.maximum.accumulate(rise)
     own = abs(junction - float(caliber.along[at]))
@@ -322,10 +324,11 @@ def _healthy(caliber: Caliber, at: int, way: int, least: float, junction: float)
         part = slice(first, last[first])
         if last[first] == len(away) and not is_cut and np.ptp(away[part]) < KEPT * kept[first]:
             return None
-        is_settled = rise[first] <= rise[first : as_far[first]].min() + SETTLED * steepest[first]
+        if rise[first] > rise[first : as_far[first]].min() + SETTLED * steepest[first]:
+            continue
         usual = float(np.quantile(diameter[part], USUAL))
         # What is wider than that slopes: the funnel of a junction.
-        if is_settled and (1 - EDGE_DEGREE) * usual <= tops[first]:
+        if (1 - EDGE_DEGREE) * usual <= tops[first]:
             middle = (away[first] + away[last[first] - 1]) / 2
             return Plateau(float(caliber.along[at] + way * middle), usual)
     return None

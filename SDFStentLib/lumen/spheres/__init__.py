@@ -10,6 +10,7 @@ from .inscribed import inscribed_spheres as inscribed_spheres
 from .local_surface import AROUND as AROUND
 from .local_surface import SOME as SOME
 from .local_surface import LocalSurface as LocalSurface
+from .local_surface import index_within as index_within
 from .local_surface import known_index as known_index
 from .local_surface import some_corners as some_corners
 from .own import with_own_spheres as with_own_spheres

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import (
+    Balls,
     NearPairs,
     Surface,
     SurfaceIndex,
@@ -45,6 +46,28 @@ def known_index(surface: Surface) -> SurfaceIndex:
     return _kept.get(surface) or SurfaceIndex(surface.points, surface.triangles)
 
 
+def index_within(surface: Surface, places: Points, reaches: Floats) -> tuple[SurfaceIndex, Indices]:
+    """Index of all triangles within reach (n,) of some places (n, 3), at least, and their numbers.
+
+    That of all triangles where it is kept. At least one triangle is near.
+    """
+    if (kept := _kept.get(surface)) is not None:
+        return kept, np.arange(len(surface.triangles))
+    points, corners = surface.points.T, surface.corners
+    is_near = np.zeros(corners.shape[1], dtype=bool)
+    first = points[0].take(corners)
+    low, high = first.min(axis=0), first.max(axis=0)
+    for place, reach in zip(places, reaches.tolist(), strict=True):
+        near = np.flatnonzero((low <= place[0] + reach) & (high >= place[0] - reach))
+        for axis in (1, 2):
+            along = points[axis].take(corners.take(near, axis=1))
+            is_in = along.min(axis=0) <= place[axis] + reach
+            near = near[is_in & (along.max(axis=0) >= place[axis] - reach)]
+        is_near[near] = True
+    numbers = np.flatnonzero(is_near)
+    return SurfaceIndex(surface.points, surface.triangles.take(numbers, axis=0)), numbers
+
+
 class LocalSurface:
     """The part of a surface near some centers; grows when they ask for more.
 
@@ -64,6 +87,7 @@ class LocalSurface:
         self.lowest, self.highest = box_of(points)
         self._index: SurfaceIndex | None = None
         self._numbers: NDArray[np.uint64] | None = None
+        self._some: dict[float, Balls | None] = {}
         self.growths = 0
 
     @classmethod
@@ -150,6 +174,19 @@ class LocalSurface:
             odd.append(np.count_nonzero(along[crosses] > 0) % 2)
         return odd[0] != odd[1]
 
+    def middles(self, stride: float) -> Balls | None:
+        """Middles of the `chosen` triangles as balls without a radius; None where none is.
+
+        Made once until the surface grows: every search begins among the same ones.
+        """
+        index = self.index
+        if stride not in self._some:
+            chosen = self.chosen(stride)
+            count = np.count_nonzero(chosen)
+            some = Balls(index.centroids[chosen], np.zeros(count)) if count else None
+            self._some[stride] = some
+        return self._some[stride]
+
     def chosen(self, stride: float) -> Flags:
         """Mask (m,) of a part of the triangles that have been asked for, about one in `stride`.
 
@@ -172,6 +209,7 @@ class LocalSurface:
         """Take the triangles in the box round the centers, if there are any."""
         self.growths += 1
         self._numbers = None
+        self._some = {}
         self._margin = margin
         self._low = self._centers.min(axis=0) - margin
         self._high = self._centers.max(axis=0) + margin

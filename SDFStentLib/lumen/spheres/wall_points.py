@@ -24,7 +24,6 @@ class WallPoints:
     def __init__(self, surface: LocalSurface, stride: float) -> None:
         self._surface, self._stride = surface, stride
         self.lowest, self.highest = surface.lowest, surface.highest
-        self._growths = -1
 
     @property
     def growths(self) -> int:
@@ -34,26 +33,24 @@ class WallPoints:
     def near(self, centers: Points, radii: Floats) -> NearPairs:
         """The points that are near, as of `LocalSurface.near`."""
         self._surface.cover(centers, radii)
-        points = self._known()
-        query, one = self._balls.near(centers, radii)
-        return NearPairs(query, one, norm(centers.take(query, axis=0) - points.take(one, axis=0)))
+        known = self._known()
+        query, one = known.near(centers, radii)
+        apart = centers.take(query, axis=0) - known.middles.take(one, axis=0)
+        return NearPairs(query, one, norm(apart))
 
     def distances(self, centers: Points) -> Floats:
         """Distance (n,) to the nearest of the points that have been asked for."""
-        self._known()
-        return self._balls.nearest(centers)
+        return self._known().nearest(centers)
 
     def closest_points(self, _queries: Points, which: Indices) -> Points:
         """The points (p, 3) themselves."""
-        return np.asarray(self._points.take(which, axis=0))
+        return np.asarray(self._balls.middles.take(which, axis=0))
 
-    def _known(self) -> Points:
-        index = self._surface.index
-        if self._growths != self._surface.growths:
-            self._growths = self._surface.growths
-            chosen = self._surface.chosen(self._stride)
+    def _known(self) -> Balls:
+        known = self._surface.middles(self._stride)
+        if known is None:
             # What was found once stays when the surface grows.
-            self._stride = self._stride if chosen.any() else 1.0
-            self._points = index.centroids[chosen] if chosen.any() else index.centroids
-            self._balls = Balls(self._points, np.zeros(len(self._points)))
-        return self._points
+            self._stride = 1.0
+            known = Balls(centroids := self._surface.index.centroids, np.zeros(len(centroids)))
+        self._balls = known
+        return known
