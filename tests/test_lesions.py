@@ -72,6 +72,17 @@ def test_a_vessel_that_tapers_in_steps_has_no_lesion():
     assert find_lesions(Surface(patch.points, patch.triangles), line) == ()
 
 
+@pytest.mark.parametrize("cut", [22.0, 22.4, 26.0])
+def test_a_narrowing_beside_an_end_is_told_against_the_vessel_on_its_other_side(cut):
+    """Up to the end it regains little: that does not tell how wide the vessel was before."""
+    along = np.arange(0.0, cut, 0.9)
+    away = np.clip(np.abs(along - 20) / 2.5, 0, 1)
+    diameter = 4 - 1.06 * (1 + np.cos(np.pi * away))
+    for vessel in (vessel_along(diameter, 0, along), vessel_along(diameter[::-1], -1, along)):
+        (found,) = narrowings(vessel)
+        assert found.degree == pytest.approx(0.53, abs=0.02)
+
+
 def test_an_aneurysm_makes_no_lesion_of_the_vessel_beside_it():
     axis = planar_axis([(120.0, 0.0)])
     healthy = tapering(5.0, 4.0, 120.0)

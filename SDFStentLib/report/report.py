@@ -55,7 +55,7 @@ DEFINITIONS = {
     ),
     "reference": (
         "healthy vessel proximal and distal of the lesion, before treatment; between the two it "
-        "tapers; where one side is a junction the other one stands alone"
+        "tapers; where one side is a junction or an end the other one stands alone"
     ),
     "percent diameter stenosis": (
         "100 (1 - smallest inscribed diameter of the lesion / that of the reference at that place)"

@@ -128,7 +128,7 @@ def reference_words(
     widest: float = float("nan"),
     beyond: float = float("nan"),
     by: str = "healthy vessel",
-    other: str = "; on its other side is a junction",
+    other: str = "; on its other side is a junction or an end",
 ) -> str:
     """The reference in words: healthy vessel, or how wide (mm) it should be without any.
 

@@ -209,11 +209,17 @@ def _reference(
     if not (persists or is_one_sided):
         return _alone(run, narrow, eased)
     least = narrow + REGAINED * (widest - narrow)
+    # How wide a flank becomes up to an end does not tell how wide the vessel is beyond the other.
+    alone = [narrow + REGAINED * (_one_sided(caliber, at, way) - narrow) for way in (-1, 1)]
     after = _healthy(caliber, at, 1, least, own[1])
-    if after is not None and is_ostial:
+    if after is None:
+        least = max(least, alone[0])
+    elif is_ostial:
         # What is narrower than the vessel that it feeds may be a throat at the ostium.
         least = max(least, narrow + REGAINED * (after.diameter - narrow))
     before = None if is_one_sided else _healthy(caliber, at, -1, least, own[0])
+    if before is None and after is not None:
+        after = _healthy(caliber, at, 1, max(least, alone[1]), own[1])
     # What is wider again toward the ostium is its funnel only.
     is_funnel = is_ostial and not is_one_sided and before is None
     if is_funnel and narrow > (1 - SMALLEST_ONE_SIDED + eased) * _widest(caliber, at, 1):
@@ -310,19 +316,23 @@ def _healthy(caliber: Caliber, at: int, way: int, least: float, junction: float)
     flanks have steps.
     """
     away, diameter, kept = _side(caliber, at, way)
-    is_cut = caliber.is_cut[way > 0]
     last = np.searchsorted(away, away + KEPT * kept, side="right")
     # The greatest from each place to its last.
     ends = np.stack([np.arange(len(last)), last], axis=1).ravel()
     tops = np.maximum.reduceat(np.append(kept, 0.0), ends)[::2]
     rise = np.divide(tops, kept, out=np.ones(len(kept)), where=kept > 0) - 1
     steepest = np.maximum.accumulate(rise)
+    # A vessel that an in- or outlet cuts off goes on beyond, as steeply as before.
+    whole = np.flatnonzero(last < len(away))
+    is_steep = not len(whole) or bool(rise[whole[-1]] > REGAINED * steepest[-1])
+    is_flank = is_steep or not caliber.is_cut[way > 0]
     own = abs(junction - float(caliber.along[at]))
     beyond = np.where(away < own, np.minimum(2 * away, own), 2 * away)
     as_far = np.searchsorted(away, beyond, side="right").tolist()
     for first in np.flatnonzero(kept >= least).tolist():
         part = slice(first, last[first])
-        if last[first] == len(away) and not is_cut and np.ptp(away[part]) < KEPT * kept[first]:
+        is_cut_short = last[first] == len(away) and np.ptp(away[part]) < KEPT * kept[first]
+        if is_cut_short and is_flank:
             return None
         if rise[first] > rise[first : as_far[first]].min() + SETTLED * steepest[first]:
             continue
