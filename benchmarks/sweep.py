@@ -34,7 +34,7 @@ from SDFStentLib.centerline import Centerline, CenterlinePath  # noqa: E402
 from SDFStentLib.deformation import Deployment, DeploymentResult, DeploymentSettings  # noqa: E402
 from SDFStentLib.files import read_centerline, read_surface  # noqa: E402
 from SDFStentLib.geometry import Precision, Surface  # noqa: E402
-from SDFStentLib.lumen import InscribedSpheres, inscribed_spheres, open_at_ends  # noqa: E402
+from SDFStentLib.lumen import InscribedSpheres, inscribed_spheres, wall_of  # noqa: E402
 from SDFStentLib.stent import AlongAxis, Stent  # noqa: E402
 from SDFStentLib.treatment import AxisChange, axis_in_vessel  # noqa: E402
 
@@ -273,7 +273,7 @@ def judged(
     nodes = deployment.chain.nodes
     stations = nodes[:: max(1, round(STATION_SPACING / settings.capsule_length))]
     # A cap counts as open: no stent pushes it aside, and it is no wall of the lumen.
-    wall = open_at_ends(where.surface, stations).triangles
+    wall = wall_of(where.surface)
     spheres = inscribed_spheres(result.points, wall, stations)
     after = spheres.radii / stent.radius
     before = inscribed_spheres(where.points, wall, stations).radii / stent.radius

@@ -5,7 +5,7 @@ from scipy.ndimage import label
 from scipy.optimize import linprog
 
 from SDFStentLib.geometry import across
-from SDFStentLib.lumen import measured_at, open_at_ends, profile_around
+from SDFStentLib.lumen import in_caps, measured_at, profile_around
 from SDFStentLib.lumen.spheres import own, passing
 
 THINNED_ABOVE, THINNING = 8000, 8
@@ -13,9 +13,9 @@ THINNED_ABOVE, THINNING = 8000, 8
 
 def measured_around(surface, stations):
     """The profile of stations, measured without any known result."""
-    wall = open_at_ends(surface, stations.points)
-    measured = measured_at(surface, stations.points, stations.directions, wall.triangles)
-    return profile_around(surface, stations, measured, wall.caps)
+    caps = in_caps(surface)
+    measured = measured_at(surface, stations.points, stations.directions, caps)
+    return profile_around(surface, stations, measured, caps)
 
 
 def nearest_points(query, corners):

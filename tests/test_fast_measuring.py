@@ -15,6 +15,7 @@ from SDFStentLib.lumen import (
     StationSearch,
     Until,
     equivalent_diameters,
+    in_caps,
     inscribed_spheres,
     measured_after,
     measured_at,
@@ -366,7 +367,7 @@ def test_what_is_not_measured_again_is_what_a_whole_search_finds(treated):
     places, directions = stations_along(way)
     before = measured_at(made.surface, places, directions)
     moved = moved_wall(made.surface, result.surface)
-    found = measured_after(before, moved, result.surface)
+    found = measured_after(before, moved, result.surface, in_caps(made.surface))
     plain = measured_at(result.surface, places, directions)
     np.testing.assert_allclose(found.spheres.radii, plain.spheres.radii, atol=1e-3)
     np.testing.assert_allclose(found.equivalent, plain.equivalent, atol=1e-3)

@@ -13,7 +13,7 @@ from benchmarks.phantoms import stenosed_tube, straight_tube, vascular_tree
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line, Surface
-from SDFStentLib.lumen import inscribed_spheres, measured_after, measured_at, moved_wall
+from SDFStentLib.lumen import in_caps, inscribed_spheres, measured_after, measured_at, moved_wall
 from SDFStentLib.report import document_json, residual_facts
 from SDFStentLib.report.branches import branches_fact
 from SDFStentLib.report.lesions import stent_lesion_sentences, treated_lesion_facts
@@ -126,9 +126,9 @@ def test_stations_outside_of_the_vessel_have_no_sphere(tube):
     points = np.column_stack([np.zeros((5, 2)), np.linspace(middle - 2, middle + 2, 5)])
     ways = np.tile([0.0, 0, 1], (5, 1))
     before, moved = measured_at(tube.surface, points, ways), moved_wall(tube.surface, after)
-    searched = measured_after(before, moved, after)
+    searched = measured_after(before, moved, after, in_caps(after))
     assert not after.contains(searched.spheres.centers[searched.spheres.radii > 0]).any()
-    spared = measured_after(before, moved, after, outside=~after.contains(points))
+    spared = measured_after(before, moved, after, in_caps(after), ~after.contains(points))
     assert np.isnan(spared.spheres.radii).all()
     np.testing.assert_array_equal(spared.equivalent, searched.equivalent)
 

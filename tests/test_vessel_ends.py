@@ -186,6 +186,24 @@ def test_an_axis_that_ends_askew_on_a_cap_makes_no_vessel_narrow(turned, lean):
     assert len(profile.gaps) or np.isfinite(inscribed).all()
 
 
+@pytest.mark.parametrize("lean", [0.0, 0.5, 10, 25, 35, 45, 55])
+def test_a_cap_that_leans_makes_no_vessel_narrow(lean):
+    """And cuts off no section: what is told of one is the area of the whole tube."""
+    turn = Rotation.from_euler("xyz", [35, 49, 20], degrees=True).as_matrix()
+    points, triangles = a_capped_duct(a_circle(), np.deg2rad(lean))
+    profile = diameter_profile(Surface(points @ turn.T, triangles), A_LINE @ turn.T)
+    width = 2 * RADIUS * np.cos(np.pi / 32)
+    # The first and the last station lie as good as in the caps.
+    np.testing.assert_allclose(profile.inscribed_diameter[1:-1], width, rtol=1e-3)
+    whole = RADIUS * np.sqrt(128 * np.sin(np.pi / 16) / (2 * np.pi))
+    is_known = np.isfinite(profile.equivalent_diameter)
+    np.testing.assert_allclose(profile.equivalent_diameter[is_known], whole, rtol=1e-3)
+    beyond = 2 + RADIUS * np.tan(np.deg2rad(lean))
+    middle = np.abs(profile.arc_length - LENGTH / 2) < LENGTH / 2 - beyond
+    assert is_known[middle].all()
+    assert is_known.all() == (lean < 1)
+
+
 def test_the_flat_sides_of_a_square_duct_are_wall():
     profile = diameter_profile(Surface(*a_capped_duct(A_SQUARE)), A_LINE)
     np.testing.assert_allclose(profile.inscribed_diameter, 6, rtol=1e-6)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..certificate import Comparison, MotionCheck
 from ..field import CapsuleChain
 from ..geometry import consistently_wound, dot, twins, vertex_normals
-from ..lumen import caps_across
+from ..lumen import caps_near
 from ..validation import Floats, Indices, Points, Triangles
 from .draped import draped
 from .event_steps import event_steps, published_steps
@@ -213,7 +213,7 @@ class Attempt(Growth):
     def _is_cap(self) -> NDArray[np.bool_]:
         """Mask of the patch's faces that belong to flat caps across the stent's ends."""
         nodes, reach = self.task.capsules.nodes, CAPS_WITHIN * self.task.radius
-        return caps_across(self.task.surface, nodes, reach)[self.patch.faces]
+        return caps_near(self.task.surface, nodes, reach)[self.patch.faces]
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
         """Take apart faulty faces of the surface; return the number of rounds that it took."""

@@ -16,7 +16,7 @@ from ..field import CapsuleChain, fractions_of
 from ..geometry import Surface, may_meet_box
 from ..lumen import (
     Until,
-    caps_across,
+    caps_near,
     equivalent_diameters,
     inscribed_spheres,
 )
@@ -108,7 +108,7 @@ def lumen_check(
         own_around = WallAround(own[1].points, own[1].triangles, chain.nodes, reach)
     widest, native, widest_at = _widest(*(own or (before, after)), own_around, stent)
     # Flat caps across its ends that were there before are no wall.
-    is_cap = caps_across(before, chain.nodes, CAPS_WITHIN * radius)[around.faces]
+    is_cap = caps_near(before, chain.nodes, CAPS_WITHIN * radius)[around.faces]
     is_wall = around.within(radius) & ~is_cap
     wall = wall_check(around.points, around.triangles[is_wall], chain, radius)
     return LumenCheck(
@@ -131,7 +131,7 @@ def _narrowest(
     points, triangles = after.points, after.triangles
     width = around.distances(stations)
     if (width < (1 - ROUGH) * wanted).any():
-        is_wall = ~caps_across(before, stations, CAPS_WITHIN * radius)
+        is_wall = ~caps_near(before, stations, CAPS_WITHIN * radius)
         triangles = triangles.compress(is_wall, axis=0)
         around = WallAround(points, triangles, stations, NEAR * radius)
         width = around.distances(stations)
@@ -177,7 +177,7 @@ def _widest(
     if not len(wide):
         return nothing
     # Fewer triangles are never nearer, so only doubtful stations need all of them but the caps.
-    is_wall = ~caps_across(before, chain.nodes, CAPS_WITHIN * radius)
+    is_wall = ~caps_near(before, chain.nodes, CAPS_WITHIN * radius)
     triangles = triangles.compress(is_wall, axis=0)
     widths = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
     native = inscribed_spheres(

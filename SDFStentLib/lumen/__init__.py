@@ -1,14 +1,13 @@
 """Width of a lumen along an axis, and motion of its wall."""
 
 from .caps import bulged_caps as bulged_caps
-from .caps import caps_across as caps_across
+from .caps import caps_near as caps_near
 from .caps import caps_of as caps_of
 from .caps import flat_caps as flat_caps
+from .caps import in_caps as in_caps
 from .caps import looks_across as looks_across
 from .caps import off_caps as off_caps
 from .caps import wall_of as wall_of
-from .closed_ends import OpenWall as OpenWall
-from .closed_ends import open_at_ends as open_at_ends
 from .cross_section import equivalent_diameters as equivalent_diameters
 from .ends import Spot as Spot
 from .ends import are_ends as are_ends

@@ -146,8 +146,8 @@ def _as_spot(points: Points, triangles: Triangles, cap: FlatCap) -> Spot:
     return spot(points, boundary_edges(own), cap.normal, cap.faces, center)
 
 
-def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool_]:
-    """Mask (m,) of the faces in flat caps across an axis (k, 3) of which a part is near its ends.
+def caps_near(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool_]:
+    """Mask (m,) of the faces in flat caps of which a part is near the ends of an axis.
 
     Parameters
     ----------
@@ -159,12 +159,10 @@ def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool
     """
     points, triangles = surface.points, surface.triangles
     is_capped = np.zeros(len(triangles), dtype=bool)
-    for end, inner in (axis[:2], axis[:-3:-1]):
-        direction = (end - inner) / np.linalg.norm(end - inner)
+    for end in axis[[0, -1]]:
         for cap in caps_of(surface):
             # A tree has hundreds of caps.
-            is_near = (cap.low <= end + reach).all() and (cap.high >= end - reach).all()
-            if is_near and abs(cap.normal @ direction) > ACROSS:
+            if (cap.low <= end + reach).all() and (cap.high >= end - reach).all():
                 corners = points[triangles[cap.faces]].reshape(-1, 3)
                 faces = np.arange(len(corners)).reshape(-1, 3)
                 if may_meet_box(corners, faces, end - reach, end + reach).any():
@@ -182,7 +180,7 @@ def in_caps(surface: Surface) -> Flags:
 
 def wall_of(surface: Surface) -> Triangles:
     """The triangles (k, 3) that do not belong to a flat cap."""
-    return surface.triangles[~in_caps(surface)]
+    return surface.triangles.compress(~in_caps(surface), axis=0)
 
 
 def off_caps(surface: Surface) -> Points:
@@ -195,7 +193,7 @@ def off_caps(surface: Surface) -> Points:
 def looks_across(points: Points, normals: Points, axis: Points, reach: float) -> NDArray[np.bool_]:
     """Mask (n,) of wall points with normals as of caps across an axis, within reach of its ends.
 
-    Unlike `caps_across` it knows no faces: the bottom of a round dead end looks like a cap, too.
+    Unlike `caps_near` it knows no faces: the bottom of a round dead end looks like a cap, too.
     """
     looks = np.zeros(len(points), dtype=bool)
     for end, inner in (axis[:2], axis[:-3:-1]):

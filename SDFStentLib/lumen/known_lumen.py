@@ -9,8 +9,6 @@ import numpy as np
 
 from ..geometry import Surface, dot, faces_at, in_box, norm, product, search_tree
 from ..validation import Flags, Floats, Points, Triangles
-from .closed_ends import OpenWall
-from .cross_section import equivalent_diameters
 from .spheres import InscribedSpheres, inscribed_spheres
 from .stations import MOST, Stations, measured_at
 from .tolerances import ALIKE, PAIRS
@@ -77,13 +75,11 @@ def _longest_side(points: Points, triangles: Triangles) -> float:
     return max(float(norm(corners[k] - corners[k - 1]).max(initial=0.0)) for k in range(3))
 
 
-_known: WeakKeyDictionary[Surface, dict[tuple[bytes, bytes, bytes], Stations]] = WeakKeyDictionary()
-"""Stations that were measured together, by places, directions and caps left out."""
+_known: WeakKeyDictionary[Surface, dict[tuple[bytes, bytes], Stations]] = WeakKeyDictionary()
+"""Stations that were measured together, by places and directions."""
 
 
-def measured_once(
-    surface: Surface, points: Points, directions: Points, wall: OpenWall | None = None
-) -> Stations:
+def measured_once(surface: Surface, points: Points, directions: Points) -> Stations:
     """The result of `measured_at` for a vessel before treatment; stations that were measured
     together before are not measured again.
 
@@ -92,14 +88,12 @@ def measured_once(
     measured with others differ by about 1e-8 mm: nothing that was asked before changes an answer.
     """
     known = _known.setdefault(surface, {})
-    # Two stents may leave out different caps.
-    seen, caps = (None, b"") if wall is None else (wall.triangles, wall.caps.tobytes())
-    key = points.tobytes(), directions.tobytes(), caps
+    key = points.tobytes(), directions.tobytes()
     found = known.get(key)
     if found is None:
         if sum(len(one.points) for one in [*known.values()]) > MOST:
             known.clear()
-        found = known[key] = measured_at(surface, points, directions, seen)
+        found = known[key] = measured_at(surface, points, directions)
         for values in (*found.spheres, found.equivalent):
             values.setflags(write=False)
     return found
@@ -109,7 +103,7 @@ def measured_after(
     before: Stations,
     moved: MovedWall,
     surface: Surface,
-    wall: Triangles | None = None,
+    caps: Flags,
     outside: Flags | None = None,
 ) -> Stations:
     """The result of `measured_at` for a vessel after treatment; stations that no moved wall is
@@ -123,8 +117,8 @@ def measured_after(
         The wall moved between the two states.
     surface : Surface
         The vessel after it.
-    wall : (k, 3) array, optional
-        Triangles of the wall that spheres see.
+    caps : (m,) bool array
+        The triangles that were in flat caps before it: one that is bulged since is no wall either.
     outside : (n,) bool array, optional
         The stations that are known to be outside of it: there is no sphere.
     """
@@ -136,12 +130,11 @@ def measured_after(
         is_changed &= ~outside
         centers[outside], radii[outside] = np.nan, np.nan
     changed = np.flatnonzero(is_changed)
-    seen = surface.triangles if wall is None else wall
+    wall = surface.triangles.compress(~caps, axis=0)
     centers[changed], radii[changed] = inscribed_spheres(
-        surface.points, seen, points[changed], directions[changed]
+        surface.points, wall, points[changed], directions[changed]
     )
     cut = np.flatnonzero(moved.crosses(points, directions))
-    equivalent[cut] = equivalent_diameters(
-        surface.points, surface.triangles, points[cut], directions[cut]
-    )
-    return Stations(points, directions, InscribedSpheres(centers, radii), equivalent)
+    measured = Stations(points, directions, InscribedSpheres(centers, radii), equivalent)
+    equivalent[cut] = measured.at(cut).sections(surface, caps)
+    return measured

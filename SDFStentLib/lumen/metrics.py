@@ -24,8 +24,8 @@ from ..geometry import (
     nearest_distances,
     segment_count,
 )
-from ..validation import Flags, Floats, Indices, InputError, Points, Triangles, read_only
-from .closed_ends import open_at_ends, past_closed_ends
+from ..validation import Flags, Floats, InputError, Points, Triangles, read_only
+from .caps import in_caps
 from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, section_radius
 from .openings import FAR, labels_round
 from .rounded_ends import past_rounded_ends
@@ -225,9 +225,9 @@ def diameter_profile(
     # Farther apart they would cut the bends of the axis, and look across its chords.
     between = max(1, round(min(line.length, MOST * SPACING) / count / SPACING))
     stations = line.resampled_to(count * between + 1)
-    wall = open_at_ends(surface, stations.points)
-    measured = measured_at(surface, stations.points, stations.directions, wall.triangles)
-    profile = profile_of(surface, stations.arc_lengths, measured, wall.caps)
+    caps = in_caps(surface)
+    measured = measured_at(surface, stations.points, stations.directions, caps)
+    profile = profile_of(surface, stations.arc_lengths, measured, caps)
     return replace(profile.taken(slice(None, None, between)), throats=profile.throats)
 
 
@@ -235,7 +235,7 @@ def profile_of(
     surface: Surface,
     arc_length: Floats,
     measured: Stations,
-    caps: Indices,
+    caps: Flags,
     parts: Sequence[slice] = (slice(None),),
 ) -> DiameterProfile:
     """`diameter_profile` of stations along an axis that are measured, in their order.
@@ -248,19 +248,16 @@ def profile_of(
         Positions of the stations, mm, from wherever they count.
     measured : Stations
         About equally far apart. The vessel may end at the first and the last one only.
-    caps : (m,) array of int
-        Triangles that spheres did not see, whatever a stent has made of them since.
+    caps : (m,) bool array
+        The triangles that were in flat caps before any stent.
     parts : sequence of slice
         Stations among which openings are looked for together; what the last one says counts.
     """
-    points, triangles = surface.points, surface.triangles
-    is_seen = np.ones(len(triangles), dtype=bool)
-    is_seen[caps] = False
-    seen = triangles.compress(is_seen, axis=0) if len(caps) else triangles
+    points, wall = surface.points, surface.triangles.compress(~caps, axis=0)
     # Sections are cut round spheres: those that have left the vessel are a branch's.
     lines = [np.arange(len(measured.points))]
-    own = with_own_spheres(LocalSurface(points, seen, measured.points), *measured[:3], lines)
-    measured = past_closed_ends(points, triangles, measured._replace(spheres=own), caps)
+    own = with_own_spheres(LocalSurface(points, wall, measured.points), *measured[:3], lines)
+    measured = measured._replace(spheres=own)
     stations, equivalent = measured.points, measured.equivalent.copy()
     is_cut = np.zeros(len(stations), dtype=bool)
     for part in parts:
@@ -269,15 +266,17 @@ def profile_of(
             surface, stations[part], centers, 2 * radii, measured.equivalent[part]
         )
     measured = measured._replace(equivalent=equivalent)
-    spheres = past_rounded_ends(points, seen, measured)
+    spheres = past_rounded_ends(points, wall, measured)
 
     # A closed section round the station proves that it is inside; the few others are looked at.
     outside = np.flatnonzero(np.isnan(equivalent))
     outside = outside[~surface.contains(stations[outside])]
     centers, inscribed = spheres.centers.copy(), 2 * spheres.radii
+    # A sphere at a station on the surface tells nothing.
+    outside = np.union1d(outside, np.flatnonzero(inscribed <= 0))
     centers[outside], inscribed[outside] = np.nan, np.nan
     lowest = [at for at in _lowest(inscribed, parts[-1]) if own.radii[at] == spheres.radii[at]]
-    throats = _throats((points, seen), measured, arc_length, inscribed, lowest)
+    throats = _throats((points, wall), measured, arc_length, inscribed, lowest)
     return DiameterProfile(arc_length, centers, inscribed, equivalent, is_cut, throats)
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Line, Surface
-from ..validation import Floats, Indices, Points
+from ..validation import Flags, Floats, Points
 from .extended_axis import ExtendedAxis
 from .metrics import DiameterProfile, profile_of
 from .stations import SPACING, Stations
@@ -62,7 +62,7 @@ def _part(line: Line, spacing: float, start: float) -> tuple[Floats, ...]:
 
 
 def profile_around(
-    surface: Surface, stations: AxisStations, measured: Stations, caps: Indices
+    surface: Surface, stations: AxisStations, measured: Stations, caps: Flags
 ) -> DiameterProfile:
     """The profile of a stent and its surroundings; the profile of the stent alone is a part of it.
 
@@ -74,8 +74,8 @@ def profile_around(
         Stations along the extended axis of the stent.
     measured : Stations
         The results there.
-    caps : (m,) array of int
-        Triangles that the spheres of `measured` did not see.
+    caps : (m,) bool array
+        The triangles that were in flat caps before any stent.
 
     Returns
     -------

@@ -6,10 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface
-from ..validation import Floats, Indices, Points, Triangles
+from ..geometry import Surface, SurfaceIndex
+from ..validation import Flags, Floats, Indices, Points
+from .caps import in_caps
 from .cross_section import equivalent_diameters
 from .spheres import InscribedSpheres, inscribed_spheres
+from .tolerances import ALIKE, OWN_WIDTH
 
 SPACING = 1.0
 """Distance of the stations along a vessel, mm."""
@@ -60,6 +62,26 @@ class Stations(NamedTuple):
         values[:, which] = self.spheres.radii, self.equivalent
         return Stations(points, directions, InscribedSpheres(centers, values[0]), values[1])
 
+    def sections(self, surface: Surface, caps: Flags) -> Floats:
+        """Equivalent diameters (n,) of the sections across, mm, as of `measured_at`."""
+        points, triangles = surface.points, surface.triangles
+        places, ways, (_, radii), _ = self
+        found = equivalent_diameters(points, triangles, places, ways)
+        if not caps.any():
+            return found
+        # Beside a cap; farther away one belongs to a vessel into which the section opens.
+        known = np.flatnonzero(radii > 0)
+        near = SurfaceIndex(points, triangles.compress(caps, axis=0))
+        beside = known[np.unique(near.near(places[known], OWN_WIDTH * radii[known]).query)]
+        wall = triangles.compress(~caps, axis=0)
+        found[beside] = np.nan
+        # In the plane of an end rounding decides whether a section is closed.
+        for aside in (0.0, 1 - ALIKE, ALIKE - 1):
+            left = beside[np.isnan(found[beside])]
+            at = places[left] + aside * radii[left, None] * ways[left]
+            found[left] = equivalent_diameters(points, wall, at, ways[left])
+        return found
+
     def followed_by(self, others: Stations) -> Stations:
         """These stations followed by others of the same surface."""
         spheres = zip(self.spheres, others.spheres, strict=True)
@@ -72,16 +94,16 @@ class Stations(NamedTuple):
 
 
 def measured_at(
-    surface: Surface, points: Points, directions: Points, wall: Triangles | None = None
+    surface: Surface, points: Points, directions: Points, caps: Flags | None = None
 ) -> Stations:
     """Spheres and sections at places (n, 3) with directions (n, 3), wherever they are.
 
-    Spheres see only the triangles `wall` (k, 3) where these are given, such as `open_at_ends`.
+    Spheres do not meet the triangles in `caps` (m,), by default those of flat caps: one would climb
+    along a cap, in many small steps, and touch what is no wall. A section is NaN where a cap cuts
+    it off.
     """
-    seen = surface.triangles if wall is None else wall
-    return Stations(
-        points,
-        directions,
-        inscribed_spheres(surface.points, seen, points, directions),
-        equivalent_diameters(surface.points, surface.triangles, points, directions),
-    )
+    caps = in_caps(surface) if caps is None else caps
+    wall = surface.triangles.compress(~caps, axis=0)
+    spheres = inscribed_spheres(surface.points, wall, points, directions)
+    measured = Stations(points, directions, spheres, np.full(len(points), np.nan))
+    return measured._replace(equivalent=measured.sections(surface, caps))

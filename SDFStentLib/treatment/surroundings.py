@@ -15,17 +15,16 @@ from ..lumen import (
     AxisStations,
     DiameterProfile,
     ExtendedAxis,
-    OpenWall,
     Stations,
     axis_stations,
     extended_axis,
+    in_caps,
     measured_after,
     measured_once,
     moved_wall,
-    open_at_ends,
     profile_around,
 )
-from ..validation import Floats
+from ..validation import Flags, Floats
 from ..vessel import (
     Apposition,
     BranchWays,
@@ -59,8 +58,8 @@ class Survey(NamedTuple):
     """before any stent,"""
     before: DiameterProfile
     """with the diameters there."""
-    wall: OpenWall
-    """Wall that the spheres meet, open at its ends."""
+    caps: Flags
+    """(m,) the triangles that are in flat caps."""
 
 
 class TreeNames(NamedTuple):
@@ -135,10 +134,10 @@ def surveyed(native: Surface, found: Surface, axis: Line, names: TreeNames) -> S
         if way is not None
     ]
     along = axis_stations(extended, PROFILE_SPACING)
-    wall = open_at_ends(native, along.points)
-    measured = measured_once(native, along.points, along.directions, wall)
-    before = profile_around(native, along, measured, wall.caps)
-    return Survey(extended, branches, (*end_ways(extended), *into), along, measured, before, wall)
+    caps = in_caps(native)
+    measured = measured_once(native, along.points, along.directions)
+    before = profile_around(native, along, measured, caps)
+    return Survey(extended, branches, (*end_ways(extended), *into), along, measured, before, caps)
 
 
 def _given_name(way: Line | None, tree: Centerline, given: Sequence[str | None]) -> str | None:
@@ -149,9 +148,9 @@ def _given_name(way: Line | None, tree: Centerline, given: Sequence[str | None])
 def lumen_around(native: Surface, axis: Line, centerline: Centerline | None) -> DiameterProfile:
     """The lumen along a stent's axis and beyond its ends, before any stent."""
     along = axis_stations(extended_axis(native, axis, centerline), PROFILE_SPACING)
-    wall = open_at_ends(native, along.points)
-    measured = measured_once(native, along.points, along.directions, wall)
-    return profile_around(native, along, measured, wall.caps)
+    caps = in_caps(native)
+    measured = measured_once(native, along.points, along.directions)
+    return profile_around(native, along, measured, caps)
 
 
 def surroundings(
@@ -167,22 +166,20 @@ def surroundings(
     radius : callable
         Gives its radius, mm, at arc lengths (n,) of its axis.
     """
-    along, wall = survey.stations, survey.wall
+    along, caps = survey.stations, survey.caps
     beside = NeighborStations(states, survey.ways)
     inside = np.flatnonzero(~beside.outside[0])
     places = beside.points[inside], beside.directions[inside]
-    known = measured_once(states.native, *places, wall).among(
-        inside, beside.points, beside.directions
-    )
+    known = measured_once(states.native, *places).among(inside, beside.points, beside.directions)
     # Many stations together are measured in little more time than few.
     before = survey.measured.followed_by(known)
     # A cap that the stent has bulged is no wall either.
     moved = moved_wall(states.native, states.final)
     own, rest = slice(len(along.points)), slice(len(along.points), None)
     outside = np.r_[np.zeros(len(along.points), dtype=bool), beside.outside[1]]
-    after = measured_after(before, moved, states.final, wall.triangles, outside)
+    after = measured_after(before, moved, states.final, caps, outside)
     return Surroundings(
-        profile_around(states.final, along, after.at(own), wall.caps),
+        profile_around(states.final, along, after.at(own), caps),
         beside.lumens(before.at(rest), after.at(rest)),
         apposition(states.final, survey.axis.of_stent, radius),
     )
