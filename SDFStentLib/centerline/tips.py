@@ -92,9 +92,14 @@ class _Reach:
         what the triangles' sides, mm, leave open.
         """
         centers, radii, *_ = self.balls
-        way = self.beyond(peak, -np.inf)
-        is_away = norm(centers[way] - centers[peak]) > np.sqrt(2.0) * radii[way] + side
-        rim = way[: int(is_away.argmax())] if is_away.any() else way
+        rim, ball = [peak], int(self.former[peak])
+        # Ends: ways lead back to where all begin.
+        while ball >= 0:
+            away = float(np.linalg.norm(centers[ball] - centers[peak]))
+            if away > np.sqrt(2.0) * radii[ball] + side:
+                break
+            rim.append(ball)
+            ball = int(self.former[ball])
         return int(rim[(radii[rim] >= FULL * radii[rim].max()).argmax()])
 
     def beyond(self, ball: int, level: float) -> Indices:

@@ -16,8 +16,6 @@ import numpy as np
 from ..geometry import (
     Surface,
     across,
-    boundary_edges,
-    connected,
     dot,
     face_areas,
     face_normals,
@@ -87,10 +85,20 @@ class _FacesAndBalls:
         self.normals = outward * face_normals(self.points, self.triangles)
         self.at_points = outward * vertex_normals(self.points, self.triangles)
         self.middles = self.points[self.triangles].mean(axis=1)
+        self._has = np.zeros(len(self.triangles) + 1, dtype=bool)
+        """A mask of faces, empty between calls; one more for the side without a neighbor."""
 
     @cached_property
     def _near(self) -> Any:
         return search_tree(self.middles)
+
+    @cached_property
+    def _beyond_sides(self) -> Indices:
+        """The face (m, 3) beyond each side, m where there is none."""
+        found = np.full(self.triangles.size, len(self.triangles))
+        one, other = paired_sides(self.triangles).T
+        found[one], found[other] = other // 3, one // 3
+        return found.reshape(-1, 3)
 
     def flat_spots(self) -> Iterator[tuple[Spot, float]]:
         """The spots that are flat about as far as the widest ball is wide that touches them, and
@@ -148,9 +156,29 @@ class _FacesAndBalls:
         mean = self.areas[beside] @ self.normals[beside]
         normal = mean / np.linalg.norm(mean)
         own = near[self.normals[near] @ normal > ACROSS]
-        one, other = (paired_sides(self.triangles[own]) // 3).T
-        label = connected(len(own), one, other)[1]
-        own = own[label == label[norm(self.middles[own] - place).argmin()]]
+        own = self._part(own, int(own[norm(self.middles[own] - place).argmin()]))
         middle = self.areas[own] @ self.middles[own] / self.areas[own].sum()
         center = self.middles[own[norm(self.middles[own] - middle).argmin()]]
-        return spot(self.points, boundary_edges(self.triangles[own]), normal, own, center)
+        return spot(self.points, self._rim(own), normal, own, center)
+
+    def _part(self, faces: Indices, one: int) -> Indices:
+        """Those of some faces that hang together with one of them across sides."""
+        self._has[faces] = True
+        front = np.array([one])
+        # Ends: every face is in front once.
+        while len(front):
+            self._has[front] = False
+            beside = self._beyond_sides[front].ravel()
+            front = np.unique(beside[self._has[beside]])
+        part = faces[~self._has[faces]]
+        self._has[faces] = False
+        return part
+
+    def _rim(self, faces: Indices) -> Indices:
+        """The edges (k, 2) between some faces and others, in the direction of these."""
+        self._has[faces] = True
+        face, side = np.nonzero(~self._has[self._beyond_sides[faces]])
+        self._has[faces] = False
+        corners = self.triangles[faces[face]]
+        rows = np.arange(len(face))
+        return np.column_stack([corners[rows, side], corners[rows, (side + 1) % 3]])
