@@ -34,7 +34,7 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.geometry import Line, NamedFaces, Surface, signed_volume
 from SDFStentLib.lumen import flat_caps
-from SDFStentLib.segment import CutPlane, planes_apart
+from SDFStentLib.segment import CutPlane, bounded
 from SDFStentLib.stent import AtDistalEnd, Stent
 from SDFStentLib.treatment import SegmentWishes, Treatment, Vessel, extract_segment
 from SDFStentLib.validation import DeploymentError, InputError
@@ -228,12 +228,12 @@ def test_planes_that_bound_nothing_with_the_others_are_told():
         (place,), ahead = line.at([at]), line.at([at + 0.5])[0] - line.at([at - 0.5])[0]
         planes.append(CutPlane("", place, turned * ahead / np.linalg.norm(ahead)))
     inlet, left, right, beyond, _ = planes
-    assert planes_apart(parts, [inlet, left, right]) == []
-    assert planes_apart(parts, [inlet, beyond, left, right]) == [1]
-    assert sorted(planes_apart(parts, planes)) == [3, 4]
-    assert planes_apart(parts, [inlet, replace(left, normal=-left.normal), right]) == [1]
+    assert bounded(parts, [inlet, left, right]).apart == []
+    assert bounded(parts, [inlet, beyond, left, right]).apart == [1]
+    assert sorted(bounded(parts, planes).apart) == [3, 4]
+    assert bounded(parts, [inlet, replace(left, normal=-left.normal), right]).apart == [1]
     nowhere = replace(left, origin=left.origin + 100.0)
-    assert planes_apart(parts, [inlet, nowhere, left, right]) == [1]
+    assert bounded(parts, [inlet, nowhere, left, right]).apart == [1]
 
 
 def test_a_branch_that_the_centerline_does_not_know_is_said_to_stay_open():

@@ -12,11 +12,11 @@ from ..centerline import Centerline, distal_ends
 from ..geometry import Line, Surface, norm
 from ..segment import (
     CutPlane,
+    OpenSegment,
     PlaneFinder,
     Segment,
+    bounded,
     closed_segment,
-    planes_apart,
-    segment_between,
     with_inlets,
 )
 from ..validation import Floats, Indices, InputError, Points
@@ -110,40 +110,45 @@ def flat_ends(
     """
     parts = vessel_parts(surface, tree)
     finder = PlaneFinder(parts)
-    found = _bounding(parts, ends, [_plane(finder, end) for end in ends])
+    found = [_plane(finder, end) for end in ends]
     planes = [None if one is None else one.plane for one in found]
-    cut = [plane for plane in planes if plane is not None]
-    if len(cut) < 2:
+    cut, opened = _bounding(parts, ends, planes)
+    if opened is None or len(cut) < 2:
         raise InputError(
             f"segmentation: expected a vessel with two ends or more that a plane cuts off across, "
             f"found {len(cut)}; trim the segment, or label one vessel alone."
         )
     if inlet is None:
-        first = int(np.argmax([one.area for one in found if one is not None]))
+        first = max(sorted(cut), key=lambda number: one.area if (one := found[number]) else 0.0)
     else:
-        named_end = _named(ends, planes, inlet)
-        first = sum(plane is not None for plane in planes[:named_end])
-    ordered = [cut[first], *cut[:first], *cut[first + 1 :]]
-    numbered = [replace(plane, name=str(number)) for number, plane in enumerate(ordered)]
-    segment = closed_segment(segment_between(parts, numbered))
+        first = _named(ends, planes, inlet)
+    ordered = sorted(cut, key=lambda number: (number != first, number))
+    places = [cut.index(number) for number in ordered]
+    numbered = {
+        place: replace(opened.planes[place], name=str(number))
+        for number, place in enumerate(places)
+    }
+    segment = closed_segment(opened.with_planes(numbered))
     name = next(face.name for face in segment.faces if face.said == "0")
     return FlatEnds(replace(segment, faces=with_inlets(segment.faces, [name])), tuple(planes))
 
 
 def _bounding(
-    parts: VesselParts, ends: Sequence[RoundEnd], planes: Sequence[_FoundPlane | None]
-) -> list[_FoundPlane | None]:
-    """The planes that bound a segment together: without those beyond another one, which lies close
-    to a junction and has cut off their vessel, too; of two that meet without the shorter end's."""
-    found = list(planes)
+    parts: VesselParts, ends: Sequence[RoundEnd], planes: list[CutPlane | None]
+) -> tuple[list[int], OpenSegment | None]:
+    """Numbers of the planes that bound a segment together, and that. The others become None: those
+    beyond another one, which lies close to a junction and has cut off their vessel, too; of two
+    that meet that of the shorter end."""
     lengths = [end.line.length / end.radius for end in ends]
-    order = sorted(range(len(found)), key=lambda n: -lengths[n])
+    order = sorted(range(len(planes)), key=lambda n: -lengths[n])
     # Ends: with one plane less each time.
-    while apart := planes_apart(parts, [one.plane for n in order if (one := found[n])]):
-        own = [n for n in order if found[n]]
-        for number in apart:
-            found[own[number]] = None
-    return found
+    while True:
+        own = [n for n in order if planes[n]]
+        made = bounded(parts, [one for n in own if (one := planes[n])])
+        if not made.apart:
+            return own, made.segment
+        for number in made.apart:
+            planes[own[number]] = None
 
 
 def _named(ends: Sequence[RoundEnd], planes: Sequence[CutPlane | None], inlet: Points) -> int:

@@ -2,8 +2,9 @@
 
 from .cut_planes import CutPlane as CutPlane
 from .cut_planes import PlaneFinder as PlaneFinder
+from .open_segment import Bounded as Bounded
 from .open_segment import OpenSegment as OpenSegment
-from .open_segment import planes_apart as planes_apart
+from .open_segment import bounded as bounded
 from .open_segment import segment_between as segment_between
 from .segment import Segment as Segment
 from .segment import closed_segment as closed_segment

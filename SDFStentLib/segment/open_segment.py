@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +37,16 @@ class OpenSegment:
     rims: tuple[Indices, ...] = ()
     areas: tuple[float, ...] = ()
 
+    def with_planes(self, planes: Mapping[int, CutPlane]) -> OpenSegment:
+        """The segment with its planes, by their places so far, in another order or renamed."""
+        order = list(planes)
+        return replace(
+            self,
+            planes=tuple(planes.values()),
+            rims=tuple(self.rims[place] for place in order),
+            areas=tuple(self.areas[place] for place in order),
+        )
+
     def cut_off(self, plane: CutPlane) -> OpenSegment | None:
         """The segment without the part beyond a plane; None where that part is not one branch
         alone."""
@@ -66,11 +77,18 @@ def segment_between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegm
     return found
 
 
-def planes_apart(vessel: VesselParts, planes: Sequence[CutPlane]) -> list[int]:
-    """Indices of the planes that do not bound the part of a vessel that most of them bound.
+class Bounded(NamedTuple):
+    """The part of a vessel that planes bound together, or which of them do not."""
 
-    Of two that meet within the vessel it is the latter one.
-    """
+    segment: OpenSegment | None
+    """None where some of the planes are apart, or there is none."""
+    apart: list[int]
+    """Indices of the planes that do not bound the part that most of them bound. Of two that meet
+    within the vessel it is the latter one."""
+
+
+def bounded(vessel: VesselParts, planes: Sequence[CutPlane]) -> Bounded:
+    """The part of a vessel that some planes bound together."""
     cut, apart, kept = _whole(vessel), list[int](), list[int]()
     for number, plane in enumerate(planes):
         divided = _divided(cut, plane)
@@ -80,7 +98,7 @@ def planes_apart(vessel: VesselParts, planes: Sequence[CutPlane]) -> list[int]:
             cut = divided
             kept.append(number)
     if not kept:
-        return apart
+        return Bounded(None, apart)
     sides = _SidesOfCuts(cut.mesh, cut.rims)
     ends = np.cumsum([len(rim) for rim in cut.rims])[:-1]
     above, below = (np.split(labels, ends) for labels in (sides.above, sides.below))
@@ -88,7 +106,7 @@ def planes_apart(vessel: VesselParts, planes: Sequence[CutPlane]) -> list[int]:
     for number, one, other in zip(kept, above, below, strict=True):
         if (one != most).any() or (other == most).any():
             apart.append(number)
-    return apart
+    return Bounded(None if apart else _only(cut, sides.kept), apart)
 
 
 def _between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment | str:

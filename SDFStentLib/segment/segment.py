@@ -77,11 +77,14 @@ def closed_segment(opened: OpenSegment) -> Segment:
         *zip(opened.rims, opened.planes, strict=True),
         *_open_rims(triangles, opened.rims),
     ]
-    for number, (rim, plane) in enumerate(ends, start=new):
-        inner, cap = _cap(points, rim, vessel, None if plane is None else -plane.normal)
-        points, triangles = np.vstack([points, inner]), np.vstack([triangles, cap])
-        ids = np.r_[ids, np.full(len(cap), number)]
-    closed = Surface(*compacted(points, triangles), name="segment")
+    inners, caps, count = [points], [triangles], len(points)
+    for rim, plane in ends:
+        inner, cap = _cap(points, rim, count, vessel, None if plane is None else -plane.normal)
+        inners.append(inner)
+        caps.append(cap)
+        count += len(inner)
+    ids = np.r_[ids, np.repeat(new + np.arange(len(ends)), [len(cap) for cap in caps[1:]])]
+    closed = Surface(*compacted(np.vstack(inners), np.vstack(caps)), name="segment")
     numbered = {number: plane for number, (_, plane) in enumerate(ends, start=new)}
     return Segment(closed, ids, segment_faces(closed, ids, vessel, numbered))
 
@@ -103,9 +106,10 @@ def _open_rims(triangles: Triangles, rims: Sequence[Indices]) -> Iterator[tuple[
 
 
 def _cap(
-    points: Points, rim: Indices, vessel: VesselParts, normal: Floats | None
+    points: Points, rim: Indices, count: int, vessel: VesselParts, normal: Floats | None
 ) -> tuple[Points, Triangles]:
-    """Points within a flat cap, and its triangles, numbered by all points and then these."""
+    """Points within a flat cap, and its triangles; these points are numbered behind `count`
+    others."""
     loop = rim[::-1]
     corners = points[loop]
     origin = corners.mean(axis=0)
@@ -121,5 +125,5 @@ def _cap(
             f"segment: expected an end near {vessel.said(origin)}, that a flat cap closes, its rim "
             "is not flat or crosses itself; close it before, or choose other places."
         )
-    number = np.r_[loop, len(points) + np.arange(len(fill.inner))]
+    number = np.r_[loop, count + np.arange(len(fill.inner))]
     return origin + fill.inner @ plane, number[fill.triangles]

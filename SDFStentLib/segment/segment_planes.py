@@ -13,7 +13,7 @@ from ..geometry import Line
 from ..validation import InputError, Points, as_point
 from ..vessel import VesselParts
 from .cut_planes import SAME, CutPlane, PlaneFinder
-from .open_segment import OpenSegment, planes_apart, segment_between
+from .open_segment import OpenSegment, bounded, segment_between
 
 DIGITS = 4
 """Digits of the coordinates of a place in a sentence, as users choose it by typing them."""
@@ -147,7 +147,7 @@ def _moves(finder: PlaneFinder, lines: Lines, faults: Sequence[str]) -> _Moves:
         if sum(move.by for move in moves if move is not None) >= lines[0].length:
             break
         planes, left = _planes(finder, _moved(finder.vessel.tree, lines, moves))
-        if not any(left) and not planes_apart(finder.vessel, planes):
+        if not any(left) and not bounded(finder.vessel, planes).apart:
             return moves
     return _NOWHERE
 
