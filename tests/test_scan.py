@@ -27,7 +27,7 @@ from SDFStentLib.scan import (
 )
 from SDFStentLib.scan.contour import unfolded
 from SDFStentLib.scan.ends import flat_ends, round_ends_of
-from SDFStentLib.scan.wall_distance import BESIDE, SHARE, WIDTHS
+from SDFStentLib.scan.wall_distance import SHARE, WIDTHS
 from SDFStentLib.validation import InputError
 
 SIDE = 0.9
@@ -74,12 +74,13 @@ def plain_wall_distance(labelmap):
         return 2 * once - ndimage.gaussian_filter(once, width * voxel / spacing, mode="nearest")
 
     depth, steps = -filtered(1.0) / voxel, np.array(WIDTHS) / SHARE
-    radius = np.full_like(depth, steps[0])
+    radius, diagonal = np.full_like(depth, steps[0]), np.linalg.norm(spacing) / voxel
     for least, most in zip(steps, [*steps[1:], np.inf], strict=True):
         own = np.where((depth >= least) & (depth < most), np.minimum(depth, steps[-1]), 0)
-        sides = 2 * np.rint((least + BESIDE) * voxel / spacing).astype(int) + 1
+        sides = 2 * np.rint((least + diagonal) * voxel / spacing).astype(int) + 1
         away = ndimage.distance_transform_edt(own == 0, sampling=spacing / voxel)
-        deepest = np.where(away <= least + BESIDE, ndimage.maximum_filter(own, sides.tolist()), 0.0)
+        reach = least + np.where(depth > 0, 0.0, diagonal)
+        deepest = np.where(away <= reach, ndimage.maximum_filter(own, sides.tolist()), 0.0)
         radius = np.maximum(radius, deepest) if own.any() else radius
     radius = ndimage.gaussian_filter(radius, 1.0)
     level = np.interp(np.log(SHARE * radius), np.log(WIDTHS), np.arange(len(WIDTHS)))

@@ -24,7 +24,8 @@ PIECE, WALL, LINES = 0.05, 0.4, 0.9
 voxels of a tenth of its diameter."""
 
 VOXEL_ERROR = 0.2
-"""Mean error of an inscribed diameter, in voxels, as `python -m benchmarks.voxels` measures it."""
+"""Mean error of an inscribed diameter, in voxels, as `python -m benchmarks.voxels` measures it,
+rounded up."""
 
 
 @dataclass(frozen=True)

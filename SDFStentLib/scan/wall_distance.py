@@ -25,9 +25,6 @@ WIDTHS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
 """Widths that are computed, in voxels; between them values are blended. Below the first a
 staircase is not smoothed at all; the last one leaves less of it than a facet is off."""
 
-BESIDE = 1.0
-"""Voxels outside of a vessel up to which its radius counts: there the filter sees its wall."""
-
 
 Box = tuple[slice, ...]
 
@@ -174,26 +171,29 @@ def _filtered(distance: Grid, widths: Floats) -> Grid:
 def _local_radius(depth: Grid, labelmap: Labelmap, asked: Flags) -> Grid:
     """Radius of the vessel beside every voxel that is asked for, in voxels.
 
-    It is the depth of the deepest place, not farther than that depth. Places are taken by depth,
-    from one step of `WIDTHS` to the next: a filter finds the deepest in a box, in a tenth of the
-    time that it takes for balls, and what lies in no ball has its own. With boxes alone a branch
-    that leaves a wide trunk aslant to the axes was filtered as wide as that, and closed.
+    It is the depth of the deepest place, not farther than that depth; outside of the vessel by the
+    diagonal of a voxel more, as the filter sees its wall there. Inside, where a branch begins, none
+    is added: that branch would be narrowed. Places are taken by depth, from one step of `WIDTHS` to
+    the next: a filter finds the deepest in a box, in a tenth of the time that it takes for balls,
+    and what lies in no ball has its own. With boxes alone a branch that leaves a wide trunk aslant
+    to the axes was filtered as wide as that, and closed.
     """
     from scipy.ndimage import distance_transform_edt, gaussian_filter, maximum_filter
 
     depth = depth / labelmap.voxel
     steps = np.array(WIDTHS) / SHARE
+    diagonal = float(np.linalg.norm(labelmap.spacing)) / labelmap.voxel
     found = np.full_like(depth, steps[0])
     inside = np.flatnonzero(depth >= steps[0])
     depths = depth.ravel()[inside]
     for least, most in zip(steps, [*steps[1:], np.inf], strict=True):
         is_own = _marked(depth.shape, inside.compress((depths >= least) & (depths < most)))
-        reach = np.rint((least + BESIDE) * labelmap.voxel / labelmap.spacing).astype(int)
+        reach = np.rint((least + diagonal) * labelmap.voxel / labelmap.spacing).astype(int)
         for box, _ in _boxes(is_own, reach):
             own = np.where(is_own[box], np.minimum(depth[box], steps[-1]), 0)
             deepest = maximum_filter(own, (2 * reach + 1).tolist())
             away = distance_transform_edt(~is_own[box], sampling=labelmap.spacing / labelmap.voxel)
-            deepest[away > least + BESIDE] = 0
+            deepest[away > least + np.where(depth[box] > 0, 0.0, diagonal)] = 0
             np.maximum(found[box], deepest, out=found[box])
     even = found.copy()
     for box, inner in _boxes(asked, np.full(3, _TAIL // 2)):
