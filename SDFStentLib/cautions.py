@@ -20,7 +20,7 @@ _BESIDE = (
 
 TEMPLATES = {
     "ends-apart": "Ends of parts that hang free: {count}. No line leads there.",
-    "limbs-meet": f"Limbs that meet again: {{count}}, one near {_AT}. Each has a line up to there.",
+    "limbs-meet": f"Limbs that meet again: {{count}}, one near {_AT}; part vessels that touch.",
     # Files
     "polygons-cut": (
         "{polygons} polygons or strips were cut into triangles, {triangles} triangles now."

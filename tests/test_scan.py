@@ -3,6 +3,7 @@
 import gzip
 import json
 import struct
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -262,6 +263,20 @@ def test_vessels_that_touch_are_told_and_where():
     (found,) = [one for one in made.warnings if one.kind == "thin-bridge"]
     assert np.linalg.norm(np.array(found.place) - (0, 4, 30)) < 2 * SIDE
     assert "part vessels that touch" in found.sentence()
+
+
+def test_branches_that_overlap_are_told_as_a_loop_and_where():
+    """Two branches that come together again by more than two voxels: a real loop, or they touch."""
+    pieces = [((0, 0, 0), (0, 0, 25), 4, 4)]
+    for x in (-1, 1):
+        ways = [(0, 0, 25), (13 * x, 0, 45), (2 * x, 0, 65), (13 * x, 0, 88)]
+        pieces += [(one, other, 3, 3) for one, other in pairwise(ways)]
+    mask, low = voxels(pieces, SIDE)
+    made = prepared_vessel(labelmap(mask, SIDE, low))
+    (found,) = [one for one in made.warnings if one.kind in ("limbs-meet", "thin-bridge")]
+    assert np.linalg.norm(np.array(found.place) - (0, 0, 65)) < 6
+    assert found.sentence().startswith("Limbs that meet again: 1, one near (")
+    assert found.sentence().endswith("part vessels that touch.")
 
 
 def test_segments_are_chosen_by_name_number_and_layer(tmp_path, fork):
