@@ -83,6 +83,19 @@ def test_a_narrowing_beside_an_end_is_told_against_the_vessel_on_its_other_side(
         assert found.degree == pytest.approx(0.53, abs=0.02)
 
 
+@pytest.mark.parametrize("cut", [22.8, 24.4, 26.0])
+def test_a_flank_that_an_end_cuts_off_is_no_healthy_vessel(cut):
+    """But what has nearly stopped becoming wider before the end is."""
+    along = np.arange(0.0, cut + 0.1, 0.5)
+    away = np.clip(np.abs(along - 20) / 6, 0, 1)
+    diameter = 4 - 1.06 * (1 + np.cos(np.pi * away))
+    for vessel in (vessel_along(diameter), vessel_along(diameter[::-1])):
+        (found,) = narrowings(vessel)
+        assert found.degree == pytest.approx(0.53, abs=0.02)
+        sides = found.reference.proximal, found.reference.distal
+        assert (None in sides) == (cut < 26)
+
+
 def test_an_aneurysm_makes_no_lesion_of_the_vessel_beside_it():
     axis = planar_axis([(120.0, 0.0)])
     healthy = tapering(5.0, 4.0, 120.0)

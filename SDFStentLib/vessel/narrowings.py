@@ -323,8 +323,8 @@ def _healthy(caliber: Caliber, at: int, way: int, least: float, junction: float)
     rise = np.divide(tops, kept, out=np.ones(len(kept)), where=kept > 0) - 1
     steepest = np.maximum.accumulate(rise)
     # A vessel that an in- or outlet cuts off goes on beyond, as steeply as before.
-    whole = np.flatnonzero(last < len(away))
-    is_steep = not len(whole) or bool(rise[whole[-1]] > REGAINED * steepest[-1])
+    slope = np.diff(diameter) / np.diff(away)
+    is_steep = len(slope) > 0 and bool(slope[-1] > REGAINED * slope.max())
     is_flank = is_steep or not caliber.is_cut[way > 0]
     own = abs(junction - float(caliber.along[at]))
     beyond = np.where(away < own, np.minimum(2 * away, own), 2 * away)
