@@ -1,5 +1,7 @@
 """A lumen and the outer side of its wall in one file: measured and treated is the lumen."""
 
+import time
+
 import numpy as np
 import pytest
 from mesh_files import read_vtk
@@ -13,7 +15,14 @@ from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings, Proxy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.files import polydata_from_arrays, read_surface, surface_from_polydata
-from SDFStentLib.geometry import Surface, boundary_edges, compacted, vertex_normals
+from SDFStentLib.files.composition import rings
+from SDFStentLib.geometry import (
+    Surface,
+    boundary_edges,
+    compacted,
+    different_counts,
+    vertex_normals,
+)
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, Vessel
 
@@ -190,3 +199,30 @@ def test_a_solid_with_round_ends_is_refused_for_what_it_is(a_folder, capsys):
     assert read_surface(a_folder / "round.vtp", "cm").surface.topology.is_watertight
     assert main(["measure", "round.vtp", "--units", "cm", "--centerline", "line.vtp"]) == 2
     assert "give the surface of the lumen alone" in capsys.readouterr().err
+
+
+def test_the_corners_of_flat_parts_are_counted_in_no_time():
+    """Of a large closed surface with a handle, as a label of an image has; it has no rings."""
+    rows, columns = 600, 400
+    turn, bend = np.meshgrid(
+        2 * np.pi * np.arange(rows) / rows, 2 * np.pi * np.arange(columns) / columns, indexing="ij"
+    )
+    away = 10 + 3 * np.cos(bend)
+    points = np.stack([away * np.cos(turn), away * np.sin(turn), 3 * np.sin(bend)], axis=2)
+    i, j = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
+    a, b = i * columns + j, i * columns + (j + 1) % columns
+    c, d = (i + 1) % rows * columns + j, (i + 1) % rows * columns + (j + 1) % columns
+    triangles = np.concatenate([np.stack([a, c, b], 2), np.stack([b, c, d], 2)]).reshape(-1, 3)
+    surface = Surface(points.reshape(-1, 3), triangles)
+    surface.topology  # noqa: B018 made once
+    begun = time.process_time()
+    assert not rings(surface).any()
+    assert time.process_time() - begun < 1.5
+
+
+def test_different_numbers_are_counted_as_one_by_one():
+    draw = np.random.default_rng(0)
+    label, number = draw.integers(0, 7, 500), draw.integers(0, 40, 500)
+    found = different_counts(label, number, 9)
+    plain = [len(set(number[label == one].tolist())) for one in range(9)]
+    assert found.tolist() == plain

@@ -16,6 +16,7 @@ from ..geometry import (
     compacted,
     component_labels,
     connected,
+    different_counts,
     dot,
     edges,
     face_normals,
@@ -172,7 +173,8 @@ def rings(surface: Surface) -> Flags:
     means = np.stack([np.bincount(label, column, count) for column in normals.T], axis=1)
     sizes = np.bincount(label, minlength=count)
     is_plane = np.linalg.norm(means, axis=1) > FLAT * sizes
-    corners = np.unique(np.stack([np.repeat(label, 3), triangles.ravel()]), axis=1)[0]
-    sides = np.unique(np.stack([np.repeat(label, 3), found.face_edges.ravel()]), axis=1)[0]
-    euler = np.bincount(corners, minlength=count) - np.bincount(sides, minlength=count) + sizes
+    at_corners = np.repeat(label, 3)
+    corners = different_counts(at_corners, triangles.ravel(), count)
+    sides = different_counts(at_corners, found.face_edges.ravel(), count)
+    euler = corners - sides + sizes
     return np.asarray((is_plane & (euler == 0))[label])

@@ -46,6 +46,7 @@ from .rows import across as across
 from .rows import bits as bits
 from .rows import blocks_of as blocks_of
 from .rows import box_of as box_of
+from .rows import different_counts as different_counts
 from .rows import dot as dot
 from .rows import in_blocks as in_blocks
 from .rows import in_box as in_box

@@ -122,3 +122,13 @@ def used_points(triangles: Indices) -> Indices:
     is_used = np.zeros(int(triangles.max(initial=-1)) + 1, dtype=bool)
     is_used[triangles] = True
     return np.flatnonzero(is_used)
+
+
+def different_counts(labels: Indices, numbers: Indices, count: int) -> Indices:
+    """How many different ones among numbers (k,) each of `count` labels has, (count,)."""
+    base = int(numbers.max(initial=0)) + 1
+    keys = labels.astype(np.int64) * base + numbers
+    keys.sort()  # `unique` by rows takes twenty times longer, and lets no other thread run
+    is_first = np.ones(len(keys), dtype=bool)
+    np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
+    return np.bincount(keys[is_first] // base, minlength=count)
