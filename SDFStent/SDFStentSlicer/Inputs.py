@@ -104,11 +104,13 @@ class Inputs:
                 )
             else:
                 surface = (yield from self.vesselInPortions(parameterNode)).surface
-                how = {"inlet": inlet, "wall": surface.points, "widths": LineEnds(surface).widths}
+                how = {"inlet": inlet, "wall": surface.points}
                 names = vessel.GetName(), parameterNode.centerline.GetName()
                 # First: far from their wall, lines seem to run in one wide lumen, and no tree is left.
                 told = yield from inPortions(lambda: _misfits(surface, lines, *names))
-                tree = yield from inPortions(lambda: Centerline.from_lines(*lines, **how))
+                tree = yield from inPortions(
+                    lambda: Centerline.from_lines(*lines, widths=LineEnds(surface).widths, **how)
+                )
                 centerline, moved = yield from inPortions(
                     lambda: with_ends_in_middle(surface, tree)
                 )
@@ -166,11 +168,12 @@ class Inputs:
         patient = yield from self.patientInPortions(parameterNode)
         return (yield from inPortions(lambda: patient.native_lumen(stent)))
 
-    def preview(self, parameterNode):
-        """The `PreviewedVessel` of vessel and centerline, the same object until one of them changes."""
+    def previewInPortions(self, parameterNode):
+        """`PreviewedVessel` of vessel and centerline, the same object until one of them changes; a generator as those above."""
         stamp = _stampOf(parameterNode)
         if stamp != self._preview[0]:
-            self._preview = (stamp, PreviewedVessel(self.patient(parameterNode)))
+            patient = yield from self.patientInPortions(parameterNode)
+            self._preview = (stamp, PreviewedVessel(patient))
         return self._preview[1]
 
     def sizeLimits(self, parameterNode):

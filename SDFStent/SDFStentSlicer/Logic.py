@@ -227,7 +227,8 @@ class SDFStentLogic(
         """Make what the first preview and deployment of a vessel need; an iterator as `steps`."""
         if parameterNode.vessel is not None and parameterNode.centerline is not None:
             _begun = Calculating.processes.deploying
-            yield from working(self._inputs.preview(parameterNode).prepared())
+            preview = yield from working(self._inputs.previewInPortions(parameterNode))
+            yield from working(preview.prepared())
 
     def measure(self, parameterNode):
         """Diameters, certificate, table and plot of the last deployment; an iterator as `steps`."""

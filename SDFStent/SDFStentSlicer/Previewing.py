@@ -34,7 +34,7 @@ class Previewing:
         parameterNode, surface = shown.parameterNode, shown.surface(vessel)
         surface.hideOutline()  # until nothing more is coming
         try:
-            preview = inputs.preview(parameterNode)
+            preview = yield from working(inputs.previewInPortions(parameterNode))
             case = Plans.caseOf(parameterNode, preview.vessel, live=True)
             yield from working(inputs.placedInPortions(parameterNode, case))
             found = () if search is None else search.found or ()

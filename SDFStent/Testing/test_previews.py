@@ -2,6 +2,8 @@
 
 import itertools
 import re
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -33,6 +35,37 @@ def test_the_preview_is_the_library_s(aLogic, theParameters):
     expected[seen.indices] = seen.coordinates
     np.testing.assert_array_equal(points, expected.astype(np.float32))
     assert len(seen.indices) > 100
+
+
+def test_the_first_preview_waits_for_the_vessel_in_portions(aLogic, theParameters, monkeypatch):
+    from SDFStentSlicer import Inputs
+
+    made, isAtIt = Inputs.vessel_of, threading.Event()
+
+    def slow(*args, **how):
+        isAtIt.set()
+        time.sleep(0.3)
+        isAtIt.clear()
+        return made(*args, **how)
+
+    monkeypatch.setattr(Inputs, "vessel_of", slow)
+    assert any(isAtIt.is_set() for _fraction in aLogic.steps(theParameters, live=True))
+
+
+def test_the_wall_is_not_indexed_on_the_application_s_thread(aLogic, theParameters, monkeypatch):
+    from SDFStentSlicer import Inputs
+
+    made, where = Inputs.LineEnds, []
+
+    def noted(surface):
+        where.append(threading.current_thread())
+        return made(surface)
+
+    monkeypatch.setattr(Inputs, "LineEnds", noted)
+    theParameters.centerline.GetMesh().Modified()  # it is converted anew
+    aLogic.centerlineOf(theParameters)
+    assert where
+    assert threading.main_thread() not in where
 
 
 def test_the_minimum_lumen_is_told_while_dragging_and_marked(host, aStent, theModule, monkeypatch):
