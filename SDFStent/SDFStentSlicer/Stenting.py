@@ -1,5 +1,6 @@
 """A pass over the plan's stents on arrays: every step recorded, then measured and certified. No nodes in here."""
 
+from functools import partial
 from typing import Any, NamedTuple
 
 from slicer.i18n import tr as _
@@ -199,11 +200,16 @@ class Stenting:
                 )
 
 
+def _alone(case):
+    """Calculation of a case beside which previews go on."""
+    return Calculating.calculation(case, mayShare=False)
+
+
 def _treatedWalls(moved):
     """`TreatedCase`s of the library's `MovedCase`s; yields portions until all are measured."""
     walls = []
     for one in moved:
-        calculation, _treatment = Calculating.calculation(one.case, mayShare=False)
+        calculation, _treatment = yield from inPortions(partial(_alone, one.case))
         for state in calculation.states():
             yield state if isPortion(state) else None
         walls.append((yield from calculation.told(one.lesions)))
