@@ -7,7 +7,7 @@ from segmentations import named, voxels, write
 
 from SDFStentLib.files import read_surface
 from SDFStentLib.plan import Plan, case_of, read_input_files, run_plan
-from SDFStentLib.scan import treated_voxel_range, voxel_range
+from SDFStentLib.scan import Ranged, VoxelRange, treated_voxel_range, voxel_range
 from SDFStentLib.stent import AtLesion, InputFile, Stent
 from SDFStentLib.validation import InputError
 
@@ -74,6 +74,13 @@ def test_a_segmentation_comes_to_a_certified_stent_and_a_report_by_commands(scan
     low, high = drops[0]["before"]
     assert 1.5 * low < high
     assert drops[0]["after"][1] < low
+
+
+def test_ranges_are_those_of_the_lesions_that_are_listed():
+    spans = [Ranged(f"lesion {number}", (number, number + 1.0)) for number in (1, 2, 3)]
+    lumen = (Ranged("stent 1", (4.0, 5.0), (6.0, 6.0)),)
+    found = VoxelRange(0.3, tuple(spans), tuple(spans), lumen).of_lesions([3, 1])
+    assert found == VoxelRange(0.3, (spans[2], spans[0]), (spans[2], spans[0]), lumen)
 
 
 def test_measure_tells_the_range_where_it_is_asked_for(scanned, shell):

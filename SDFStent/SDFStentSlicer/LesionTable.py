@@ -163,7 +163,7 @@ class LesionTable:
         """Tell how exact voxels let the lesions of a vessel be known; yields until that is known."""
         found = yield from working(search.ranges())
         for row in range(0 if found is None else len(search.found)):
-            one = found.of_lesion(row + 1)
+            one = found.of_lesions([row + 1])
             tip = " ".join(voxel_facts(one).sentences)
             for column, ((told,), digits) in enumerate(((one.stenoses, 0), (one.minima, 1)), 1):
                 item = self.ui.lesionTable.item(row, column)

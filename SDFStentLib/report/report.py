@@ -178,9 +178,8 @@ def plan_report(
         "sdfstent_version": VERSION,
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "inputs": input_facts(result),
-        **_lesions(result, units, whole_tree),
+        **_lesions(result, units, whole_tree, voxels),
         **_subjects(result, units, arrays_kept=not lost),
-        **({} if voxels is None else {"voxel_range": voxel_facts(voxels)}),
         "views": planned_views(result) if views is None else views,
         "warnings": [caution.sentence(units=units) for caution in cautions],
         "settings": setting_facts(result),
@@ -192,15 +191,19 @@ def plan_report(
     return Report(sections, picture)
 
 
-def _lesions(result: PlanResult, units: str, whole_tree: bool) -> dict[str, Any]:
-    """Facts on lesions, and the number of those on which a report has none."""
-    every = result.lesions
-    if every is None:
-        return {"lesions": None, "lesions_elsewhere": None}
-    told = every if whole_tree else lesions_of_treated(every, result.treatment.stents)
+def _lesions(
+    result: PlanResult, units: str, whole_tree: bool, voxels: VoxelRange | None
+) -> dict[str, Any]:
+    """Facts on lesions, their ranges, and the number of those on which a report has none."""
+    every = told = result.lesions or ()
+    if every and not whole_tree:
+        told = lesions_of_treated(every, result.treatment.stents)
+    ranges = voxels and voxels.of_lesions(one.number for one in told)
+    is_known = result.lesions is not None
     return {
-        "lesions": [treated_lesion_facts(one, units) for one in told],
-        "lesions_elsewhere": len(every) - len(told),
+        "lesions": [treated_lesion_facts(one, units) for one in told] if is_known else None,
+        "lesions_elsewhere": len(every) - len(told) if is_known else None,
+        **({"voxel_range": voxel_facts(ranges)} if ranges else {}),
     }
 
 

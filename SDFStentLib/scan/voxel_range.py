@@ -47,10 +47,11 @@ class VoxelRange(NamedTuple):
     drops: tuple[Ranged, ...] = ()
     """Recovered pressure drops at the mean flow, mmHg."""
 
-    def of_lesion(self, number: int) -> VoxelRange:
-        """What is told of one lesion, by number from 1."""
-        chosen = slice(number - 1, number)
-        return VoxelRange(self.half, self.minima[chosen], self.stenoses[chosen])
+    def of_lesions(self, numbers: Iterable[int]) -> VoxelRange:
+        """What is told of some of the lesions, by number from 1, and all of the rest."""
+        rows = [number - 1 for number in numbers]
+        minima, stenoses = ([kind[row] for row in rows] for kind in (self.minima, self.stenoses))
+        return self._replace(minima=tuple(minima), stenoses=tuple(stenoses))
 
 
 def voxel_range(vessel: Vessel, half: float) -> VoxelRange:
