@@ -7,6 +7,7 @@ from segmentations import named, voxels, write
 
 from SDFStentLib.files import read_surface
 from SDFStentLib.plan import Plan, case_of, read_input_files, run_plan
+from SDFStentLib.report import voxel_facts
 from SDFStentLib.scan import Ranged, VoxelRange, treated_voxel_range, voxel_range
 from SDFStentLib.stent import AtLesion, InputFile, Stent
 from SDFStentLib.validation import InputError
@@ -124,3 +125,22 @@ def test_where_half_a_voxel_closes_a_lumen_no_stent_has_a_range(scanned):
     result = run_plan(Plan((stent,), InputFile(surface), InputFile(line)))
     with pytest.raises(InputError, match=r"wider than a voxel, 4\.80 mm, .* got 4\.\d\d mm"):
         treated_voxel_range(case_of(result.plan, result.inputs), result, 2.4)
+
+
+def test_of_a_range_without_stenosis_none_is_told():
+    """A lumen that is wider than the healthy vessel has no stenosis below nothing."""
+    found = VoxelRange(
+        0.2,
+        (Ranged("lesion 1", (2.21, 3.004), (6.6, 6.6)),),
+        (
+            Ranged("lesion 1", (57.1, 64.4), (-6.5, 5.7)),
+            Ranged("lesion 2", (30.2, 31.0), (-3.0, 0.2)),
+        ),
+        (),
+        (),
+    )
+    minima, stenoses = voxel_facts(found).sentences
+    assert minima.endswith("minimum diameter: lesion 1 2.21 to 3.00 -> 6.60 mm.")
+    assert stenoses.endswith(
+        "stenosis by diameter: lesion 1 57 % to 64 % -> none to 6 %; lesion 2 30 % to 31 % -> none."
+    )

@@ -4,8 +4,9 @@ exactness of their numbers."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timezone
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,14 @@ from ..version import VERSION
 from .facts import LINES, Fact, Facts, listed
 from .html import file_part
 from .markup import beginning, heading, page, paragraph, picture, table
-from .words import RESEARCH_USE, UNKNOWN, document_json, millimeters, number_text
+from .words import (
+    RESEARCH_USE,
+    UNKNOWN,
+    degree_word,
+    document_json,
+    millimeters,
+    number_text,
+)
 
 SUMMARY = "segment.json"
 SEGMENT_FILES = frozenset({SUMMARY, "before", "after"})
@@ -258,21 +266,22 @@ def _prepared_facts(made: PreparedVessel) -> Facts:
     )
 
 
-KINDS = (
-    ("minimum_diameters_mm", "minimum diameter", "mm", 2),
-    ("diameter_stenoses_percent", "stenosis by diameter", "%", 0),
-    ("minimum_lumens_mm", "narrowest lumen", "mm", 2),
-    ("pressure_drops_mmhg", "recovered pressure drop", "mmHg", 1),
+KINDS: tuple[tuple[str, str, str, Callable[[float], str]], ...] = (
+    ("minimum_diameters_mm", "minimum diameter", " mm", partial(number_text, digits=2)),
+    ("diameter_stenoses_percent", "stenosis by diameter", "", degree_word),
+    ("minimum_lumens_mm", "narrowest lumen", " mm", partial(number_text, digits=2)),
+    ("pressure_drops_mmhg", "recovered pressure drop", " mmHg", partial(number_text, digits=1)),
 )
-"""Key, words, unit and digits of the quantities with a range, as `VoxelRange` has them."""
+"""Key, words, the unit behind them, and the word for a number of the quantities with a range, as
+`VoxelRange` has them."""
 
 
 def voxel_facts(found: VoxelRange) -> Facts:
     """Ranges as a document has them, and a sentence for each kind."""
     where = f"With the wall half a voxel ({number_text(found.half, 2)} mm) in or out"
     told = [
-        f"{where}, {words}: {listed([_words(one, unit, digits) for one in ranges], '; ')}."
-        for (_, words, unit, digits), ranges in zip(KINDS, found[1:], strict=True)
+        f"{where}, {words}: {listed([_words(one, unit, word) for one in ranges], '; ')}."
+        for (_, words, unit, word), ranges in zip(KINDS, found[1:], strict=True)
         if ranges
     ]
     return Facts(
@@ -295,12 +304,12 @@ def _ranges(ranges: Sequence[Ranged]) -> list[dict[str, Any]]:
     ]
 
 
-def _words(one: Ranged, unit: str, digits: int) -> str:
-    states = [_span(state, digits) for state in (one.before, one.after) if state is not None]
-    return f"{one.name} {' -> '.join(states)}" + f" {unit}" * (states[-1] != UNKNOWN)
+def _words(one: Ranged, unit: str, word: Callable[[float], str]) -> str:
+    states = [_span(state, word) for state in (one.before, one.after) if state is not None]
+    return f"{one.name} {' -> '.join(states)}" + unit * (states[-1] != UNKNOWN)
 
 
-def _span(state: Span, digits: int) -> str:
+def _span(state: Span, word: Callable[[float], str]) -> str:
     if math.isnan(state[0]):
         return UNKNOWN
-    return " to ".join(dict.fromkeys(number_text(one, digits) for one in state))
+    return " to ".join(dict.fromkeys(map(word, state)))
