@@ -23,7 +23,7 @@ from .Lesions import LesionSearch
 from .ModelFaces import addFaces
 from .ParameterNode import stentOf, stentsOf
 from .PointNormals import cornersOf
-from .Portions import inPortions, untilDone
+from .Portions import Jointly, inPortions, untilDone
 from .Previewing import PreviewedVessel
 
 SPACING = 1.0
@@ -54,6 +54,7 @@ class Inputs:
         self._vessel = self._centerline = self._lesions = self._preview = (None, None)
         self._patient = (None, None, "")
         self._beside, self._lineEnds = (), None
+        self._making = Jointly()
 
     def vessel(self, parameterNode):
         """The `VesselInput`."""
@@ -63,20 +64,28 @@ class Inputs:
         """`VesselInput` in portions of some 15 ms at 550,000 triangles: a generator that yields None and returns it."""
         node, segmentID = parameterNode.vessel, Conversion.segmentOf(parameterNode)
         stamp = (Conversion.changeStamp(node), segmentID)
-        if node is None or stamp != self._vessel[0]:
-            given = Conversion.vesselPolyData(node, segmentID)
-            name = f"Vessel {node.GetName()}"
-            yield None
-            yield from inPortions(lambda: addFaces(node, given))
-            polyData = yield from inPortions(lambda: triangulated_polydata(given, name).polydata)
-            surface = yield from inPortions(lambda: surface_from_polydata(polyData, name))
-            yield from inPortions(lambda: check_joined(surface, name))
-            corners = yield from inPortions(lambda: cornersOf(polyData))
-            size = yield from inPortions(lambda: _sizeRemark(surface, node.GetName()))
-            known = [str(caution) for caution in composition_warnings(surface, node.GetName())]
-            remark = "\n".join(filter(None, [size, *known]))
-            faces = faces_of_polydata(polyData, surface)
-            self._vessel = (stamp, VesselInput(surface, polyData, faces, corners, remark))
+        if node is not None and stamp == self._vessel[0]:
+            return self._vessel[1]
+        return (
+            yield from self._making.portions(
+                "vessel", stamp, lambda: self._converted(node, segmentID, stamp)
+            )
+        )
+
+    def _converted(self, node, segmentID, stamp):
+        given = Conversion.vesselPolyData(node, segmentID)
+        name = f"Vessel {node.GetName()}"
+        yield None
+        yield from inPortions(lambda: addFaces(node, given))
+        polyData = yield from inPortions(lambda: triangulated_polydata(given, name).polydata)
+        surface = yield from inPortions(lambda: surface_from_polydata(polyData, name))
+        yield from inPortions(lambda: check_joined(surface, name))
+        corners = yield from inPortions(lambda: cornersOf(polyData))
+        size = yield from inPortions(lambda: _sizeRemark(surface, node.GetName()))
+        known = [str(caution) for caution in composition_warnings(surface, node.GetName())]
+        remark = "\n".join(filter(None, [size, *known]))
+        faces = faces_of_polydata(polyData, surface)
+        self._vessel = (stamp, VesselInput(surface, polyData, faces, corners, remark))
         return self._vessel[1]
 
     def centerline(self, parameterNode):
@@ -94,31 +103,37 @@ class Inputs:
         Raises `InputError` where it is not of the vessel: no number in there would be one of the patient.
         """
         stamp = _stampOf(parameterNode)
-        if stamp != self._centerline[0]:
-            inlet = Plans.marksOf(parameterNode).root
-            lines, told = Conversion.centerlineLines(parameterNode.centerline), ()
-            vessel = parameterNode.vessel
-            if vessel is None:
-                centerline = yield from inPortions(
-                    lambda: Centerline.from_lines(*lines, inlet=inlet)
-                )
-            else:
-                surface = (yield from self.vesselInPortions(parameterNode)).surface
-                how = {"inlet": inlet, "wall": surface.points}
-                names = vessel.GetName(), parameterNode.centerline.GetName()
-                # First: far from their wall, lines seem to run in one wide lumen, and no tree is left.
-                told = yield from inPortions(lambda: _misfits(surface, lines, *names))
-                tree = yield from inPortions(
-                    lambda: Centerline.from_lines(*lines, widths=LineEnds(surface).widths, **how)
-                )
-                centerline, moved = yield from inPortions(
-                    lambda: with_ends_in_middle(surface, tree)
-                )
-                told = (*told, *map(str, (*moved, *loop_cautions(centerline))))
-            points, numbers, _radii = lines
-            self._lineEnds = points[[[line[0], line[-1]] for line in numbers if len(line)]]
-            self._centerline, self._beside = (stamp, centerline), told
-        return self._centerline[1]
+        if stamp == self._centerline[0]:
+            return self._centerline[1]
+        return (
+            yield from self._making.portions(
+                "centerline",
+                _ofNode(parameterNode, stamp),
+                lambda: self._tree(parameterNode, stamp),
+            )
+        )
+
+    def _tree(self, parameterNode, stamp):
+        inlet = Plans.marksOf(parameterNode).root
+        lines, told = Conversion.centerlineLines(parameterNode.centerline), ()
+        vessel = parameterNode.vessel
+        if vessel is None:
+            centerline = yield from inPortions(lambda: Centerline.from_lines(*lines, inlet=inlet))
+        else:
+            surface = (yield from self.vesselInPortions(parameterNode)).surface
+            how = {"inlet": inlet, "wall": surface.points}
+            names = vessel.GetName(), parameterNode.centerline.GetName()
+            # First: far from their wall, lines seem to run in one wide lumen, and no tree is left.
+            told = yield from inPortions(lambda: _misfits(surface, lines, *names))
+            tree = yield from inPortions(
+                lambda: Centerline.from_lines(*lines, widths=LineEnds(surface).widths, **how)
+            )
+            centerline, moved = yield from inPortions(lambda: with_ends_in_middle(surface, tree))
+            told = (*told, *map(str, (*moved, *loop_cautions(centerline))))
+        points, numbers, _radii = lines
+        self._lineEnds = points[[[line[0], line[-1]] for line in numbers if len(line)]]
+        self._centerline, self._beside = (stamp, centerline), told
+        return centerline
 
     def lesions(self, parameterNode):
         """The `LesionSearch` of vessel and centerline, the same object until one of them changes."""
@@ -144,16 +159,24 @@ class Inputs:
     def patientInPortions(self, parameterNode):
         """`Vessel` of the library in portions: a generator that yields None and returns it, the same object until one of these changes."""
         stamp = _stampOf(parameterNode)
-        if stamp != self._patient[0]:
-            vessel = yield from self.vesselInPortions(parameterNode)
-            hasTree, how = parameterNode.centerline is not None, {"faces": vessel.faces}
-            tree, marks = None, Plans.marksOf(parameterNode)
-            if hasTree:
-                tree = yield from self.centerlineInPortions(parameterNode)
-                how["lines"] = self._lineEnds
-            made = yield from inPortions(lambda: vessel_of(vessel.surface, tree, marks, **how))
-            self._patient = (stamp, *made)
-        return self._patient[1]
+        if stamp == self._patient[0]:
+            return self._patient[1]
+        return (
+            yield from self._making.portions(
+                "patient", _ofNode(parameterNode, stamp), lambda: self._whole(parameterNode, stamp)
+            )
+        )
+
+    def _whole(self, parameterNode, stamp):
+        vessel = yield from self.vesselInPortions(parameterNode)
+        hasTree, how = parameterNode.centerline is not None, {"faces": vessel.faces}
+        tree, marks = None, Plans.marksOf(parameterNode)
+        if hasTree:
+            tree = yield from self.centerlineInPortions(parameterNode)
+            how["lines"] = self._lineEnds
+        made = yield from inPortions(lambda: vessel_of(vessel.surface, tree, marks, **how))
+        self._patient = (stamp, *made)
+        return made[0]
 
     def placedInPortions(self, parameterNode, case):
         """Let a `Case` of the library know where its stents lie; a generator as those above."""
@@ -173,7 +196,8 @@ class Inputs:
         stamp = _stampOf(parameterNode)
         if stamp != self._preview[0]:
             patient = yield from self.patientInPortions(parameterNode)
-            self._preview = (stamp, PreviewedVessel(patient))
+            if stamp != self._preview[0]:  # nobody else has made it meanwhile
+                self._preview = (stamp, PreviewedVessel(patient))
         return self._preview[1]
 
     def sizeLimits(self, parameterNode):
@@ -203,6 +227,11 @@ class Inputs:
 def _stampOf(parameterNode):
     """A value that differs whenever vessel, centerline or what the plan says of them do."""
     return Conversion.inputStamp(parameterNode), str(parameterNode.get("inputs"))
+
+
+def _ofNode(parameterNode, stamp):
+    """A stamp of one parameter node: while its inputs are converted another one may change."""
+    return parameterNode.parameterNode.GetID(), stamp
 
 
 def _misfits(surface, lines, vesselName, name):

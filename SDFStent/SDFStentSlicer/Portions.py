@@ -212,6 +212,55 @@ def inPortions(function):
     return outcome["value"]
 
 
+class Jointly:
+    """Calculations in portions, each made once for all who ask for it meanwhile; whoever waits for it brings it on."""
+
+    def __init__(self):
+        self._begun = {}
+
+    def portions(self, kind, stamp, begin):
+        """Make what a kind of thing is at a stamp, by the generator `begin()`: a generator that yields its portions and returns its value.
+
+        Closing it leaves the calculation to the others. One of another stamp is not waited for.
+        """
+        begun = self._begun.get(kind)
+        if begun is None or begun.stamp != stamp:
+            begun = self._begun[kind] = _Begun(stamp, begin())
+        try:
+            # Ends: with the calculation.
+            while not begun.isDone:
+                yield from begun.portion()
+        finally:
+            if begun.isDone and self._begun.get(kind) is begun:
+                del self._begun[kind]
+        return begun.outcome()
+
+
+class _Begun:
+    """A calculation that several wait for."""
+
+    def __init__(self, stamp, portions):
+        self.stamp, self.isDone = stamp, False
+        self._portions, self._value, self._error = portions, None, None
+
+    def portion(self):
+        """Bring it on; yields what comes of that."""
+        try:
+            value = next(self._portions)
+        except StopIteration as end:
+            self._value, self.isDone = end.value, True
+        except Exception as error:
+            self._error, self.isDone = error, True
+        else:
+            yield value
+
+    def outcome(self):
+        """The value in the end; raises what the calculation did."""
+        if self._error is not None:
+            raise self._error
+        return self._value
+
+
 def isPortion(value):
     """Whether a value that a calculation yielded is a portion, and not a result."""
     return value is None or value is ELSEWHERE

@@ -52,6 +52,35 @@ def test_the_first_preview_waits_for_the_vessel_in_portions(aLogic, theParameter
     assert any(isAtIt.is_set() for _fraction in aLogic.steps(theParameters, live=True))
 
 
+def test_inputs_are_converted_once_for_all_who_wait_for_them(aLogic, theParameters, monkeypatch):
+    from SDFStentSlicer import Conversion, Inputs
+
+    theParameters.vessel.GetMesh().Modified()  # it is converted anew
+    made = []
+    for module, name in (
+        (Conversion, "vesselPolyData"),
+        (Inputs, "LineEnds"),
+        (Inputs, "vessel_of"),
+    ):
+        former = getattr(module, name)
+        monkeypatch.setattr(
+            module, name, lambda *a, _f=former, _n=name, **k: made.append(_n) or _f(*a, **k)
+        )
+    waiting = [aLogic._inputs.patientInPortions(theParameters) for _ in range(3)]
+    next(waiting[2])
+    waiting.pop().close()  # whoever goes takes nothing away
+    found = {}
+    # Ends: with the calculation, in turns.
+    while len(found) < len(waiting):
+        for number in {0, 1}.difference(found):
+            try:
+                next(waiting[number])
+            except StopIteration as end:
+                found[number] = end.value
+    assert made == ["vesselPolyData", "LineEnds", "vessel_of"]
+    assert found[0] is found[1] is aLogic._inputs.patient(theParameters)
+
+
 def test_the_wall_is_not_indexed_on_the_application_s_thread(aLogic, theParameters, monkeypatch):
     from SDFStentSlicer import Inputs
 
