@@ -75,8 +75,9 @@ def flow(shown):
     run, known = shown.run, Flow.toldFlow(shown.parameterNode)
     if known == run.shownFlow:
         return
+    former = run.flowRemark
     yield from working(run.findFlow(known), fraction=lambda: 1.0)
-    Results.showFlow(shown.parameterNode, run)
+    Results.showFlow(shown.parameterNode, run, former)
 
 
 def ranged(shown):

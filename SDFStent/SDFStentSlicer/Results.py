@@ -199,10 +199,12 @@ def showRange(parameterNode, run):
         showSummary(parameterNode, run)
 
 
-def showFlow(parameterNode, run):
-    """The numbers with another flow than before."""
+def showFlow(parameterNode, run, formerRemark):
+    """The numbers with another flow than before, or in `status`, too, why it is not known, as the `formerRemark` was."""
     right = None if run.flow is None else run.flow.right_place
     with slicer.util.NodeModify(parameterNode):
+        if run.flowRemark or parameterNode.status == formerRemark:
+            parameterNode.status = run.flowRemark
         parameterNode.rightBranch = "" if right is None else json.dumps(right)
         showSummary(parameterNode, run)
 

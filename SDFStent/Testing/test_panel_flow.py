@@ -74,6 +74,29 @@ def test_another_flow_is_told_without_another_deployment(host, aStent, isLive):
     assert ui.lumenLabel.text == ""
 
 
+def test_why_a_flow_is_not_known_is_told_at_once(host, aStent, monkeypatch):
+    from SDFStentSlicer.Lesions import LesionSearch
+
+    from SDFStentLib.validation import InputError
+
+    def fail(_search, _known, _result):
+        raise InputError(
+            "flow: expected a lumen at the outlet, got none; make the centerline anew."
+        )
+
+    ui = aStent.ui
+    deploy(host, aStent)
+    with monkeypatch.context() as patched:
+        patched.setattr(LesionSearch, "flow", fail)
+        ui.flowMeanSpinBox.value = 3.0
+        settle(host, aStent)
+    assert ui.statusLabel.text.startswith("flow: expected a lumen at the outlet, got none")
+    assert ui.statusLabel.text in ui.lumenLabel.text
+    ui.flowMeanSpinBox.value = 4.0
+    settle(host, aStent)
+    assert ui.statusLabel.text == ""
+
+
 def test_a_contradictory_flow_is_refused_in_a_sentence(host, aStent):
     ui = aStent.ui
     deploy(host, aStent)
