@@ -705,6 +705,22 @@ def opened(tube, middle=20.0, half=9.0):
     return tube.surface.with_points(points)
 
 
+@pytest.mark.parametrize("inscribed", [np.nan, 0.0])
+def test_a_channel_whose_lumen_is_nowhere_known_is_followed_by_its_sections(inscribed):
+    """As of a branch of a voxel or two, that ends in its wall."""
+    tube = stenosed_tube(edge_length=1.2)
+    (known,) = channels_of(tube.surface, tube.centerline)
+    channel = known._replace(inscribed=np.full(len(known.points), inscribed))
+    followed = FollowedChannels(tube.surface, tube.centerline, (channel,))
+    (after,) = followed.after(tube.centerline, opened(tube))
+    np.testing.assert_array_equal(after.inscribed, channel.inscribed)
+    (other,) = FollowedChannels(tube.surface, tube.centerline, (known,)).after(
+        tube.centerline, opened(tube)
+    )
+    assert np.nanmax(other.section - known.section) > 1
+    np.testing.assert_array_equal(after.section, other.section)
+
+
 def test_what_no_wall_moved_near_is_as_it_was_and_the_rest_is_as_measured_anew():
     tube = stenosed_tube(edge_length=1.2)
     channels = channels_of(tube.surface, tube.centerline)

@@ -95,7 +95,9 @@ def followed_wall(
     offset = wall.middles.take(point, axis=0) - stations.take(station, axis=0)
     field = station * (6 * _ACROSS**2) + _fields(offset)
     order = np.lexsort((dot(offset, offset), field))
-    nearest = order[np.r_[True, np.diff(field[order]) != 0]]
+    is_first = np.ones(len(order), dtype=bool)
+    np.not_equal(field[order[1:]], field[order[:-1]], out=is_first[1:])
+    nearest = order[is_first]
     station, point = station[nearest], point[nearest]
     walls = station, wall.middles.take(point, axis=0)
     spheres = among_points(lambda _: walls, stations, across(directions))
