@@ -46,10 +46,8 @@ def _missing(parameterNode, stents):
         return _("Select a vessel: a surface model or a segmentation.")
     if parameterNode.centerline is None and (needsCenterline or not stents):
         if stents:
-            return _("Select a centerline: a model or a markups curve.")
-        return _(
-            "Select a centerline: a model or a markups curve; or add a stent along a curve of your own."
-        )
+            return _("Select a centerline, or make one.")
+        return _("Select a centerline, or make one; or add a stent along a curve of your own.")
     if not stents:
         return _("Add a stent, or switch one on.")
     missing = next(filter(None, map(missingOf, stents)), "") or _missingAgain(stents)

@@ -59,6 +59,7 @@ def test_a_segment_comes_to_its_first_stent_by_three_clicks(host, aPanel, aScene
     node = addTube(aScene)
     host.process()
     assert aPanel._parameterNode.vessel is node  # there is nothing to ask
+    assert aPanel.ui.statusLabel.text.startswith("Select a centerline, or make one")
     line = made(host, aPanel)
     assert line.GetName() == "Artery centerline"
     tree = aPanel.logic.centerlineOf(aPanel._parameterNode)
