@@ -276,6 +276,24 @@ def test_a_report_without_hashes_is_refused(tmp_path):
     assert "expected a report with the hashes of its outputs" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda _path: None, "r.json: no such file; check the path."),
+        (lambda path: path.mkdir(), "r.json: expected a file, got a folder; name a file in it."),
+        (
+            lambda path: path.touch(),
+            "r.json: expected a report, got an empty file; write it again.",
+        ),
+    ],
+    ids=["missing", "folder", "empty"],
+)
+def test_a_report_that_cannot_be_read_is_told_as_any_other_file(make, told, tmp_path):
+    make(tmp_path / "r.json")
+    done = installed("check", "r.json", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (2, f"sdfstent check: {told}\n")
+
+
 SIGNALLED = """
 import os, signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)

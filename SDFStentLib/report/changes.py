@@ -14,7 +14,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..certificate import SurfaceCheck
-from ..files import SurfaceFile, unfinished
+from ..files import SurfaceFile, read_text, unfinished
 from ..geometry import NamedFaces, faces_at
 from ..lumen import face_stretches, triangle_sizes
 from ..plan import PlanResult, method_parameters
@@ -236,8 +236,9 @@ def output_facts(path: Path) -> Facts:
     Raises
     ------
     InputError
-        No such document.
+        No such document, or as of `read_text`.
     """
+    read_text(path, "a report")
     known = _outputs_of(path)
     if known is None:
         raise InputError(
