@@ -28,6 +28,11 @@ def standing(parameterNode):
     return Standing(_missing(parameterNode, stents), _signature(parameterNode, numbered))
 
 
+def areOfTwoVessels(one, other):
+    """Whether two signatures are of different vessels, or one has changed: no number of one is of the other."""
+    return one[0][:2] != other[0][:2]
+
+
 def inputNodes(parameterNode):
     """Nodes that the result depends on."""
     handles = [stent.handle for stent in stentsOf(parameterNode)]

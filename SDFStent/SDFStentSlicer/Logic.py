@@ -178,8 +178,10 @@ class SDFStentLogic(
         missing, signature = standing or self.standing(parameterNode)
         if missing:
             raise InputError(missing)
-        vessel = yield from working(self._inputs.vesselInPortions(parameterNode))
         shown = self._shownOf(parameterNode)
+        if shown.signature and Dependencies.areOfTwoVessels(shown.signature, signature):
+            Results.clearNumbers(parameterNode, _("Not measured yet."))
+        vessel = yield from working(self._inputs.vesselInPortions(parameterNode))
         reported = self._snapping.reported(parameterNode)
         if reported or not self.isProposal(parameterNode):
             parameterNode.status = reported

@@ -105,7 +105,8 @@ def inOneColor(vessel, centerline):
         display = node and node.GetDisplayNode()
         if display and isSuch(node) and not node.GetAttribute(ONE_COLOR):
             node.SetAttribute(ONE_COLOR, "1")
-            show(display)
+            with slicer.util.NodeModify(display):  # the views follow every change
+                show(display)
 
 
 def _asVessel(display):

@@ -19,8 +19,9 @@ class SurfaceOutput:
         """Show `polyData` (which becomes the node's own) unless the node already shows the same mesh."""
         self.node, self.template, self.vessel = node, None, None
         withNormals(polyData)
-        node.SetAndObservePolyData(polyData)
         self._polyData, self._normals = polyData, PointNormals(polyData, corners)
+        self._normals.update()  # without them it is black until something changes
+        node.SetAndObservePolyData(polyData)
         self._changed = None
         self._outline = None
 

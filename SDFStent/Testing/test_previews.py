@@ -8,7 +8,8 @@ import time
 import numpy as np
 import pytest
 import vtk
-from panel_helpers import pointsOf, settle, theThroat
+from panel_helpers import deploy, pointsOf, settle, theThroat
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
 
 def shown(parameters):
@@ -326,3 +327,42 @@ def test_normals_computed_where_points_changed_are_those_computed_everywhere(aVe
     nothing = np.empty(0, dtype=np.int64)
     normals.update((nothing, nothing))  # a stent narrower than the lumen moves nothing
     np.testing.assert_array_equal(everywhere, vtk_to_numpy(surface.GetPointData().GetNormals()))
+
+
+def test_the_output_is_lit_before_anything_changes(aLogic, theParameters):
+    from SDFStentSlicer.SurfaceOutput import outputSurface
+
+    made = outputSurface(theParameters, aLogic._inputs.vessel(theParameters), None)
+    normals = vtk_to_numpy(made.node.GetPolyData().GetPointData().GetNormals())
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, rtol=1e-3)
+
+
+def test_views_follow_a_vessel_that_is_chosen_once(aVessel):
+    from SDFStentSlicer import Showing
+
+    changes = []
+    display = aVessel[0].GetDisplayNode()
+    display.SetVisibility2D(False)
+    display.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda *_: changes.append(1))
+    aVessel[0].RemoveAttribute(Showing.ONE_COLOR)
+    Showing.inOneColor(*aVessel)
+    assert display.GetBackfaceCulling()
+    assert len(changes) == 1
+
+
+def test_the_numbers_of_another_vessel_go_at_once(host, aStent):
+    from SDFStentSlicer.SampleVessels import addSampleVessel
+
+    panel = aStent
+    deploy(host, panel)
+    assert panel._parameterNode.tiles
+    other = addSampleVessel("branching_pulmonary_artery", "Other")[0]
+    panel.ui.autoUpdateCheckBox.checked = True
+    settle(host, panel)
+    panel.ui.vesselSelector.setCurrentNode(other)
+    steps = panel.logic.steps(panel._parameterNode, live=True)
+    next(steps)
+    assert panel._parameterNode.tiles == panel._parameterNode.atHand == ""
+    steps.close()
+    settle(host, panel)
+    assert panel._parameterNode.tiles
