@@ -67,6 +67,15 @@ def test_a_number_that_is_listed_once_is_told_at_every_door(result, monkeypatch)
         assert len(told[door]) == len(before[door]) + 1
 
 
+@pytest.mark.parametrize(
+    ("within", "beneath"),
+    [((3.94, 4.22), "(3.9-4.2) before 2.0 mm"), ((4.01, 3.99), "before 2.0 mm")],
+)
+def test_a_range_of_one_number_is_none(within, beneath):
+    fact = Fact(before=2.0, after=4.0, unit="mm", level=GLANCE, tile="Trial", within=within)
+    assert fact.tiled.beneath == beneath
+
+
 def test_what_came_of_all_stents_is_listed_once(result, monkeypatch):
     """For the lines of the shell, the tiles and the lines beside a stent."""
     before = told_everywhere(result)

@@ -104,8 +104,8 @@ class Fact(NamedTuple):
         was = "".join(f"before {one}{unit}" for one in self._rounded[:-1])
         beneath = f"{was}{self.note}".removeprefix(", ") if self.beneath is None else self.beneath
         if self.within is not None and np.isfinite(self.within).all():
-            span = "-".join(number_text(one, self._digits) for one in self.within)
-            beneath = f"({span}) {beneath}"
+            low, high = (number_text(one, self._digits) for one in self.within)
+            beneath = beneath if low == high else f"({low}-{high}) {beneath}"
         return Tile(self.tile or self.label, self.in_few, beneath, self.is_caution)
 
     @property
