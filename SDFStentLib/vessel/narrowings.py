@@ -200,8 +200,8 @@ def _reference(
     widest, smallest = _again(caliber, at, begins, eased)
     persists = narrow <= (1 - smallest + eased) * widest
     is_ostial, is_one_sided = run.parent >= 0, False
+    above, beyond = (_one_sided(caliber, at, way) for way in (-1, 1))
     if is_ostial:
-        above, beyond = (_one_sided(caliber, at, way) for way in (-1, 1))
         is_told = beyond > above and narrow <= (1 - SMALLEST_ONE_SIDED + eased) * beyond
         # What lies between two places as narrow has regained little of what the vessel has beyond.
         is_one_sided = is_told and (not persists or widest < narrow + REGAINED * (beyond - narrow))
@@ -209,17 +209,17 @@ def _reference(
     if not (persists or is_one_sided):
         return _alone(run, narrow, eased)
     least = narrow + REGAINED * (widest - narrow)
-    # How wide a flank becomes up to an end does not tell how wide the vessel is beyond the other.
-    alone = [narrow + REGAINED * (_one_sided(caliber, at, way) - narrow) for way in (-1, 1)]
     after = _healthy(caliber, at, 1, least, own[1])
     if after is None:
-        least = max(least, alone[0])
+        # How wide a flank becomes up to an end does not tell how wide the vessel was before.
+        least = max(least, narrow + REGAINED * (above - narrow))
     elif is_ostial:
         # What is narrower than the vessel that it feeds may be a throat at the ostium.
         least = max(least, narrow + REGAINED * (after.diameter - narrow))
     before = None if is_one_sided else _healthy(caliber, at, -1, least, own[0])
     if before is None and after is not None:
-        after = _healthy(caliber, at, 1, max(least, alone[1]), own[1])
+        least = max(least, narrow + REGAINED * (beyond - narrow))
+        after = _healthy(caliber, at, 1, least, own[1])
     # What is wider again toward the ostium is its funnel only.
     is_funnel = is_ostial and not is_one_sided and before is None
     if is_funnel and narrow > (1 - SMALLEST_ONE_SIDED + eased) * _widest(caliber, at, 1):
