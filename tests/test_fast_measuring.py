@@ -313,6 +313,11 @@ def test_balls_that_only_just_touch_what_is_looked_for_are_found():
     assert (gap <= np.repeat(3.0 - radii[::5], 2)[place] + 3 * radii[ball] + 1e-6).all()
     expected = [np.linalg.norm(middles - one, axis=1).min() for one in places]
     np.testing.assert_allclose(balls.nearest(places), expected, rtol=1e-9)
+    place, middle = balls.near_middles(places, np.full(len(places), 3.0))
+    own = set(zip(place.tolist(), middle.tolist(), strict=True))
+    assert all((n, 5 * (n // 2)) in own for n in range(len(places)))
+    assert (np.diff(place) >= 0).all()
+    assert (np.linalg.norm(places[place] - middles[middle], axis=1) <= 3.0 + 1e-6).all()
 
 
 def test_the_nearest_of_many_points_is_that_of_a_plain_search():

@@ -148,6 +148,10 @@ def test_a_local_surface_misses_nothing_of_the_whole_one(seed):
     local, whole = LocalSurface(points, triangles, centers), SurfaceIndex(points, triangles)
     for scale in (0.0, 1e-12, 0.1, 3.0, 20.0, 1e3):
         queries = centers + scale * random.normal(size=(2, 3))
+        # A part made anew, of which nothing has been asked yet.
+        least = LocalSurface(points, triangles, centers).least(queries)
+        assert (least <= whole.distances(queries).distance).all()
+        assert (whole.distances(queries).distance <= least + whole.disc_radii.max() + 1e-9).all()
         radii = scale * random.random(2)
         found, expected = local.near(queries, radii), whole.near(queries, radii)
         for query in range(2):

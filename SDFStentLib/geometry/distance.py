@@ -205,6 +205,8 @@ class SurfaceIndex:
         Triangle, corner, coordinate, mm.
     centroids, disc_radii : (m, 3) and (m,) arrays
         Centers and radii of the discs that hold the triangles, mm.
+    discs : Balls
+        These.
     """
 
     def __init__(self, points: Points, triangles: Triangles) -> None:
@@ -214,7 +216,7 @@ class SurfaceIndex:
         found = in_blocks(lambda block: _discs(columns, block), triangles)
         self.centroids: Points = np.ascontiguousarray(found[:3].T)
         self.disc_radii: Floats = found[3].copy()
-        self._discs = Balls(self.centroids, self.disc_radii)
+        self.discs = Balls(self.centroids, self.disc_radii)
         self._normals = np.ascontiguousarray(found[4:7].T)
         self._thickness = found[7].copy()
 
@@ -230,11 +232,11 @@ class SurfaceIndex:
 
     def nearest_middles(self, queries: Points) -> Floats:
         """Distance (n,) from every query to the nearest centroid."""
-        return self._discs.nearest(queries)
+        return self.discs.nearest(queries)
 
     def near(self, queries: Points, radii: Floats) -> NearPairs:
         """Pairs of query (n, 3) and triangle: all that come within `radii` (n,), and few more."""
-        query, triangle = self._discs.near(queries, radii)
+        query, triangle = self.discs.near(queries, radii)
         bound = self.lower_bounds(queries.take(query, axis=0), triangle)
         is_near = np.flatnonzero(bound <= radii.take(query) * (1 + _SLACK))
         return NearPairs(query.take(is_near), triangle.take(is_near), bound.take(is_near))

@@ -49,6 +49,10 @@ class Balls:
         self.middles, self.radii = middles, radii
 
     @cached_property
+    def _tree(self) -> cKDTree:
+        return search_tree(self.middles)
+
+    @cached_property
     def _sizes(self) -> tuple[_Alike, ...]:
         # A search is for one size: few large balls among small ones are looked for by themselves.
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -56,8 +60,7 @@ class Balls:
         step = np.fmin(step, _STEPS).astype(np.int64)
         number = _parts(np.bincount(step))[step]
         if not number.any():
-            tree = search_tree(self.middles)
-            return (_Alike(np.arange(len(step)), float(self.radii.max()), tree),)
+            return (_Alike(np.arange(len(step)), float(self.radii.max()), self._tree),)
         each = (np.flatnonzero(number == one) for one in range(int(number.max()) + 1))
         return tuple(
             _Alike(own, float(self.radii[own].max()), search_tree(self.middles.take(own, axis=0)))
@@ -83,11 +86,10 @@ class Balls:
             Sorted by place. All pairs that are near enough, and some that are too far by up to the
             difference between a ball's radius and the largest one that is searched with it.
         """
-        far = reach + _SLACK * (self._reach + np.abs(places).max(initial=0.0) + reach)
+        far = self._widened(places, reach)
         found = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
         for alike in self._sizes:
-            lists = alike.tree.query_ball_point(places, far + alike.largest, return_sorted=False)
-            place, ball = in_one_row(lists)
+            place, ball = _pairs(alike.tree, places, far + alike.largest)
             found.append((place, ball if len(self._sizes) == 1 else alike.numbers.take(ball)))
         place, ball = (np.concatenate(column) for column in zip(*found, strict=True))
         if len(self._sizes) == 1:
@@ -95,10 +97,22 @@ class Balls:
         order = np.argsort(place, kind="stable")
         return place.take(order), ball.take(order)
 
+    def near_middles(self, places: Points, reach: Floats) -> tuple[Indices, Indices]:
+        """Pairs of a place and a middle that may be at most `reach` apart, as of `near`."""
+        return _pairs(self._tree, places, self._widened(places, reach))
+
     def nearest(self, places: Points) -> Floats:
         """Distance (n,) from every place to the nearest middle."""
-        each = [np.asarray(alike.tree.query(places)[0]) for alike in self._sizes]
-        return np.minimum.reduce(each)
+        return np.asarray(self._tree.query(places)[0])
+
+    def _widened(self, places: Points, reach: Floats) -> Floats:
+        """Reaches (n,) by as much longer as distances are rounded, mm."""
+        return reach + _SLACK * (self._reach + np.abs(places).max(initial=0.0) + reach)
+
+
+def _pairs(tree: cKDTree, places: Points, reach: Floats) -> tuple[Indices, Indices]:
+    """Pairs of a place and a point within its reach (n,), sorted by place."""
+    return in_one_row(tree.query_ball_point(places, reach, return_sorted=False))
 
 
 def nearest_distances(places: Points, points: Points) -> Floats:

@@ -78,10 +78,12 @@ def exact_spheres(
     """Climb on the wall from rough spheres, then make sure that no wall lies between."""
     centers, bounds = rough.centers.copy(), rough.radii.copy()
     lost = np.isnan(bounds)
-    centers[lost] = starts[lost]
-    exact = surface.distances(centers)
-    bounds[lost] = exact[lost]
-    bounds[_beyond_wall(surface, starts, axes, InscribedSpheres(centers, exact))] = np.nan
+    centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
+    # Most hold their axis points however small they may be in the end.
+    moved = np.linalg.norm(centers - starts, axis=1)
+    some = np.flatnonzero(~(moved < surface.least(centers) - ROUNDING))
+    found = InscribedSpheres(centers[some], surface.distances(centers[some]))
+    bounds[some[_beyond_wall(surface, starts[some], axes[some], found)]] = np.nan
     box = np.where(lost, _FIRST_BOX, _SMALLEST_BOX)
     begin = InscribedSpheres(centers, bounds)
     spheres = climbed(surface, begin, axes, until, first_box=box)

@@ -127,6 +127,15 @@ class LocalSurface:
         """Distances (n,) that those from centers to the surface do not exceed."""
         return self.index.nearest_middles(centers)
 
+    def least(self, centers: Points) -> Floats:
+        """Distances (n,) that those from centers to the whole surface are at least."""
+        if not len(centers):
+            return np.empty(0)
+        nearest = self.bounds(centers)
+        if self._cover(centers, nearest):
+            nearest = self.bounds(centers)
+        return nearest - float(self.index.disc_radii.max())
+
     def closest_points(self, queries: Points, triangle: Indices) -> Points:
         """Nearest point (p, 3) of triangle i, as `near` numbers them, to query i."""
         return self.index.closest_points(queries, triangle)
@@ -175,11 +184,13 @@ class LocalSurface:
         return odd[0] != odd[1]
 
     def middles(self, stride: float) -> Balls | None:
-        """Middles of the `chosen` triangles as balls without a radius; None where none is.
+        """Balls with the middles of the `chosen` triangles; None where none is.
 
         Made once until the surface grows: every search begins among the same ones.
         """
         index = self.index
+        if stride <= 1:
+            return index.discs
         if stride not in self._some:
             chosen = self.chosen(stride)
             count = np.count_nonzero(chosen)

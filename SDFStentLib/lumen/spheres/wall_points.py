@@ -34,7 +34,7 @@ class WallPoints:
         """The points that are near, as of `LocalSurface.near`."""
         self._surface.cover(centers, radii)
         known = self._known()
-        query, one = known.near(centers, radii)
+        query, one = known.near_middles(centers, radii)
         apart = centers.take(query, axis=0) - known.middles.take(one, axis=0)
         return NearPairs(query, one, norm(apart))
 
@@ -50,7 +50,6 @@ class WallPoints:
         known = self._surface.middles(self._stride)
         if known is None:
             # What was found once stays when the surface grows.
-            self._stride = 1.0
-            known = Balls(centroids := self._surface.index.centroids, np.zeros(len(centroids)))
+            self._stride, known = 1.0, self._surface.index.discs
         self._balls = known
         return known
