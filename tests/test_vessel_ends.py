@@ -10,7 +10,7 @@ from benchmarks.phantoms import arch_with_coarctation, branching_pulmonary_arter
 from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.files import read_surface
-from SDFStentLib.geometry import Surface, signed_volume
+from SDFStentLib.geometry import Surface, boundary_edges, signed_volume
 from SDFStentLib.lumen import bulged_caps, diameter_profile, inscribed_spheres
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
 from SDFStentLib.treatment import Preview, Treatment
@@ -50,6 +50,13 @@ def test_every_end_of_a_phantom_is_found_where_it_was_made(phantom, is_open):
         assert 0.95 * nearest[1] < end.radius <= 1.001 * nearest[1]
         assert bool(len(end.faces)) != is_open
     assert [end.radius for end in ends] == sorted((end.radius for end in ends), reverse=True)
+
+
+@pytest.mark.parametrize("phantom", [PULMONARY, arch_with_coarctation()], ids=["pulmonary", "arch"])
+def test_the_rims_of_a_closed_vessel_are_the_free_edges_of_its_wall(phantom):
+    wall = without_caps(phantom).triangles
+    rims = np.concatenate([end.rim for end in vessel_ends(phantom.surface)])
+    assert {*map(tuple, rims.tolist())} == {*map(tuple, boundary_edges(wall).tolist())}
 
 
 def test_the_closed_surface_has_the_volume_of_the_vessel_and_its_ends_as_points():

@@ -61,7 +61,8 @@ def are_ends(surface: Surface, spots: Sequence[Spot]) -> Flags:
     centers = np.array([spots[i].center for i in own])
     normals = np.array([spots[i].across for i in own])
     step = _BELOW * np.array([[spots[i].narrow] for i in own]) * normals
-    within, beyond = surface.contains(centers - step), surface.contains(centers + step)
+    beside = np.concatenate([centers - step, centers + step])
+    within, beyond = np.split(surface.contains(beside), 2)
     inward = np.where(within, -1.0, 1.0)[:, None] * normals
     rows = np.flatnonzero(within != beyond)
     if not len(rows):

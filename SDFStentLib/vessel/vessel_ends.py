@@ -61,13 +61,19 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     cap_of = np.full(len(triangles), -1)
     for number, cap in enumerate(caps_of(surface)):
         cap_of[cap.faces] = number
-    rims = boundary_edges(triangles[cap_of < 0])
+    capped, shape = np.flatnonzero(cap_of >= 0), surface.topology
+    if not (shape.is_watertight and shape.is_orientable):
+        rims = boundary_edges(triangles[cap_of < 0])
+    elif not len(capped):
+        return []
+    else:
+        # Where nothing else ends the faces beside a cap run along its rim the other way.
+        rims = boundary_edges(triangles[capped])[:, ::-1]
     used, corners = np.unique(rims, return_inverse=True)
     corners = corners.reshape(-1, 2)
     loop = component_labels(len(used), corners[:, 0], corners[:, 1])[corners[:, 0]]
     loop_of = np.full(len(surface.points), -1)
     loop_of[rims[:, 0]] = loop
-    capped = np.flatnonzero(cap_of >= 0)
     loops, found = loop_of[triangles[capped]], []
     for number in np.unique(loop):
         is_at_rim = (loops == number).any(axis=1)
