@@ -7,7 +7,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from functools import wraps
+from functools import cached_property, wraps
 from hashlib import sha256
 from types import SimpleNamespace
 from typing import Any
@@ -18,6 +18,7 @@ from benchmarks import phantoms
 from benchmarks.phantoms import phantoms as makers
 from SDFStentLib.report.picture import painting
 from SDFStentLib.treatment import vessel
+from SDFStentLib.vessel import Lesion, TreeLesions
 
 Done = subprocess.CompletedProcess
 USUAL = (sys.executable, "-c", painting.PROGRAM)
@@ -55,7 +56,7 @@ def known_lesions() -> Iterator[dict[bytes, tuple]]:
 
     A test that needs the search clears what is known.
     """
-    search, known = vessel.find_lesions, {}
+    search, known = vessel.TreeLesions, {}
 
     def found(surface, centerline, faces=None, given=()):
         tree = centerline.points, centerline.parent, centerline.inscribed_radius
@@ -63,11 +64,30 @@ def known_lesions() -> Iterator[dict[bytes, tuple]]:
         key = sha256(pickle.dumps((walls, tree, faces, given))).digest()
         if key not in known:
             known[key] = search(surface, centerline, faces, given)
-        return tuple(list(known[key]))  # another one for every search, as without this
+        return Again(known[key])
 
-    vessel.find_lesions = found
+    vessel.TreeLesions = found
     yield known
-    vessel.find_lesions = search
+    vessel.TreeLesions = search
+
+
+class Again:
+    """Lesions that were found before: other tuples for every search, as without this."""
+
+    def __init__(self, tree: TreeLesions) -> None:
+        self._tree = tree
+
+    @cached_property
+    def first(self) -> tuple[Lesion, ...]:
+        return tuple([*self._tree.first])
+
+    @cached_property
+    def every(self) -> tuple[Lesion, ...]:
+        return tuple([*self._tree.every])
+
+    @property
+    def others(self) -> Iterator[Lesion]:
+        return self._tree.others
 
 
 class Painter:

@@ -108,6 +108,8 @@ def test_every_column_is_the_report_of_the_plans_own_run(a_run_folder):
         assert one["report"]["certificate"].pop("arrays_kept") is own["certificate"].pop(
             "arrays_kept"
         )
+        # All lesions stand beside each other there.
+        assert (one["report"].pop("whole_tree"), own.pop("whole_tree")) == (True, False)
         assert one["report"] == own
         assert (one["certified"], one["failure"]) == (True, None)
 

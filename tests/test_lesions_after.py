@@ -14,11 +14,20 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import in_caps, inscribed_spheres, measured_after, measured_at, moved_wall
+from SDFStentLib.plan import read_input_files
 from SDFStentLib.report import document_json, residual_facts
 from SDFStentLib.report.branches import branches_fact
 from SDFStentLib.report.lesions import stent_lesion_sentences, treated_lesion_facts
 from SDFStentLib.stent import AtCenter, Stent
-from SDFStentLib.treatment import Residual, TreatedLesion, Treatment, residual_of, treated_lesions
+from SDFStentLib.treatment import (
+    Residual,
+    TreatedLesion,
+    Treatment,
+    lesions_of_treated,
+    residual_of,
+    told_first,
+    treated_lesions,
+)
 from SDFStentLib.vessel import (
     Lesion,
     NeighborLumen,
@@ -58,6 +67,31 @@ def tube():
     )
     (lesion,) = find_lesions(surface, made.centerline)
     return Tube(surface, made.centerline, lesion, len(made.points))
+
+
+@pytest.mark.parametrize("name", ["su0243", "tree_narrowed"])
+def test_what_is_told_of_a_treatment_does_not_depend_on_what_has_been_measured(data_dir, name):
+    """Lesions of main vessels come first; of the others only those that may matter are needed."""
+    files = (data_dir / f"{name}_{part}_mm.vtp" for part in ("surface", "centerline"))
+    vessel = read_input_files(*files).vessel
+    tree = vessel.tree_lesions
+    assert all(one is other for one, other in zip(tree.every, tree.first, strict=False))
+    settings, was_enough = DeploymentSettings(certify=False), []
+    for lesion in tree.every[:4]:
+        stent = Stent(6.0, length=24.0, placement=AtCenter(lesion.point))
+        result = Treatment(vessel.surface, [stent], vessel.centerline, settings).result
+        states = result.surface, vessel.surface
+        every = treated_lesions(tree.every, result.stents, *states)
+        told = told_first(tree, result.stents, *states)
+        was_enough.append(told is not None)
+        for one, other in zip(told or (), lesions_of_treated(every, result.stents), strict=False):
+            assert (one.number, one.stents) == (other.number, other.stents)
+            assert one.before is other.before
+            assert one.after.percent_diameter == other.after.percent_diameter
+            assert one.after.point == other.after.point
+        if told is not None:
+            assert len(told) == len(lesions_of_treated(every, result.stents))
+    assert {*was_enough} == {False, True}
 
 
 @pytest.mark.parametrize("is_told_what_moved", [False, True])

@@ -57,7 +57,7 @@ def test_what_fails_ahead_fails_as_it_would_alone(tmp_path, monkeypatch, capsys)
 
     write_tube(tmp_path)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("SDFStentLib.treatment.vessel.find_lesions", failing)
+    monkeypatch.setattr("SDFStentLib.treatment.vessel.TreeLesions", failing)
     said = []
     for count in (1, 2):
         assert deployed(tmp_path, count) == 2
@@ -138,12 +138,12 @@ from SDFStentLib.__main__ import main
 
 begun = threading.Event()
 
-def find_lesions(*given):
+def search(*given):
     print("begun", flush=True)
     begun.set()
     time.sleep(1800)
 
-vessel.find_lesions = find_lesions
+vessel.TreeLesions = search
 sys.exit(main())
 """
 

@@ -203,6 +203,8 @@ class _PlanJob:
                     self.steps.take(inputs.surface, state)
 
             self.result = carried_out(self.plan, inputs, shown)
+        if self.options.whole_tree:
+            _ = self.result.lesions  # first: what is told of is then taken from these
         self.write_start = perf_counter()
         lost = self.outputs.write()
         cautions = [*self.result.warnings, *self.result.size_warnings, *lost]

@@ -28,6 +28,7 @@ from ..treatment import (
     extract_segment,
     label_of,
     labeled,
+    lesions_of_treated,
     residual_of,
     size_cautions,
     treated_lesions,
@@ -182,22 +183,27 @@ class CaseOutcome:
         return treated_lesions(found, result.stents, result.surface, vessel.surface)
 
     @cached_property
+    def told_lesions(self) -> tuple[TreatedLesion, ...] | None:
+        """Those of `lesions` on which a treatment tells, see `lesions_of_treated`."""
+        return self.lesions and lesions_of_treated(self.lesions, self.treatment.stents)
+
+    @cached_property
     def told(self) -> TreatmentResult:
         """The treatment, its narrowest places before it as the lesions there have them."""
-        stents = with_known_minima(self.treatment.stents, self.lesions)
+        stents = with_known_minima(self.treatment.stents, self.told_lesions)
         return replace(self.treatment, stents=stents)
 
     @cached_property
     def residual(self) -> Residual | None:
         """Narrowest place in the treated vessels; None where no stent covers a lesion."""
-        return residual_of(self.lesions or (), self.treatment.stents)
+        return residual_of(self.told_lesions or (), self.treatment.stents)
 
     def size_cautions(self, label: Callable[[int], str]) -> tuple[Caution, ...]:
         """Cautions for a stent too short for its lesion, or its ratio to it beyond what is known.
 
         `label` names a stent by its number.
         """
-        return tuple(size_cautions(self.treatment.stents, self.lesions, label))
+        return tuple(size_cautions(self.treatment.stents, self.told_lesions, label))
 
 
 @dataclass(frozen=True)

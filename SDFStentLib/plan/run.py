@@ -35,6 +35,7 @@ from ..treatment import (
     TreatmentState,
     Vessel,
     label_of,
+    told_first,
     treated_lesions,
 )
 from ..units import Frame
@@ -126,6 +127,16 @@ class PlanResult(CaseOutcome):
         return self.vessel.lesions
 
     @cached_property
+    def told_lesions(self) -> tuple[TreatedLesion, ...] | None:
+        """Those of `lesions` on which a treatment tells; the others are not measured for them where
+        they come after."""
+        vessel, result = self.vessel, self.treatment
+        told, tree = None, None if vessel.reference else vessel.tree_lesions
+        if tree is not None and "lesions" not in vars(self):
+            told = told_first(tree, result.stents, result.surface, vessel.surface)
+        return super().told_lesions if told is None else told
+
+    @cached_property
     def warnings(self) -> tuple[Caution, ...]:
         """The warnings of reading, of the axes in the vessel and of the treatment."""
         axes = _axes_in_space(case_of(self.plan, self.inputs).stents, self.inputs.surface)
@@ -208,7 +219,7 @@ def carried_out(
 ) -> PlanResult:
     """Carry out a plan in what was read for it; as `run_plan`."""
     treatment = treatment_of(plan, inputs)
-    look = ahead(lambda: inputs.vessel.lesions)
+    look = ahead(lambda: (tree := inputs.vessel.tree_lesions) and tree.first)
     for state in treatment:
         if progress is not None:
             progress(state)

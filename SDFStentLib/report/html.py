@@ -38,7 +38,7 @@ def html_page(sections: Section, image: bytes | str | None = None) -> str:
         *([paragraph(f"{LEFT}: {left['words']}.", "head")] if left else []),
         *_picture(image),
         *map(paragraph, today["sentences"] if today else ()),
-        *lesion_table(lesions, sections["lesions_elsewhere"]),
+        *lesion_table(lesions, whole_tree=sections["whole_tree"]),
         *map(paragraph, document.get("voxel_range", {}).get("sentences", ())),
         *(_lumen(document, lesions, title, stent) for title, stent in named),
         *branch_table(sections["branches"]),

@@ -275,9 +275,9 @@ def covered_words(lesions: Sequence[Facts] | None) -> str:
     return " ".join(one.named("_against").words for one in lesions) or COVERS_NONE
 
 
-def lesion_table(lesions: Sequence[Facts] | None, elsewhere: int = 0) -> list[str]:
-    """Table of the lesions of a report, with the residual stenosis of each, and how many others
-    there are elsewhere."""
+def lesion_table(lesions: Sequence[Facts] | None, *, whole_tree: bool = True) -> list[str]:
+    """Table of the lesions of a report, with the residual stenosis of each, and whether those of
+    other vessels may be missing."""
     if lesions is None:
         return []
     title = heading("Lesions of the vessel")
@@ -287,9 +287,8 @@ def lesion_table(lesions: Sequence[Facts] | None, elsewhere: int = 0) -> list[st
     looks = {"narrowest at (x, y, z)": "place", "after": "n degree", **dict.fromkeys(numbers, "n")}
     limbs = [(one.named("number").words, one.named("_limbs").words) for one in lesions]
     said = [paragraph(f"Lesion {number}: {words}", "small") for number, words in limbs if words]
-    if elsewhere:
-        more = f"{elsewhere} more in other vessels {'is' if elsewhere == 1 else 'are'} not listed."
-        said.append(paragraph(more, "small"))
+    if not whole_tree:
+        said.append(paragraph("Lesions of other vessels, if any, are not listed.", "small"))
     return [title, facts_table(lesions, looks), *said]
 
 

@@ -13,7 +13,7 @@ from ..files import atomic_path, check_suffix, write_bytes
 from ..lumen import REACH
 from ..plan import PlanResult
 from ..scan import VoxelRange
-from ..treatment import lesions_of_treated, lumen_into
+from ..treatment import lumen_into
 from ..validation import as_path, check_is_a
 from ..version import VERSION
 from ..vessel import SMALLEST_DEGREE
@@ -194,15 +194,12 @@ def plan_report(
 def _lesions(
     result: PlanResult, units: str, whole_tree: bool, voxels: VoxelRange | None
 ) -> dict[str, Any]:
-    """Facts on lesions, their ranges, and the number of those on which a report has none."""
-    every = told = result.lesions or ()
-    if every and not whole_tree:
-        told = lesions_of_treated(every, result.treatment.stents)
-    ranges = voxels and voxels.of_lesions(one.number for one in told)
-    is_known = result.lesions is not None
+    """Facts on lesions and their ranges, and whether these are all of the tree."""
+    told = result.lesions if whole_tree else result.told_lesions
+    ranges = voxels and voxels.of_lesions(one.number for one in told or ())
     return {
-        "lesions": [treated_lesion_facts(one, units) for one in told] if is_known else None,
-        "lesions_elsewhere": len(every) - len(told) if is_known else None,
+        "lesions": None if told is None else [treated_lesion_facts(one, units) for one in told],
+        "whole_tree": whole_tree,
         **({"voxel_range": voxel_facts(ranges)} if ranges else {}),
     }
 
@@ -211,7 +208,7 @@ def _subjects(result: PlanResult, units: str, *, arrays_kept: bool) -> dict[str,
     """Facts on the result, subject by subject."""
     judged = result.treatment.certificate
     treated, frame = result.told.stents, result.inputs.surface.frame
-    stents = [stent_facts(one, result.lesions, units, frame) for one in treated]
+    stents = [stent_facts(one, result.told_lesions, units, frame) for one in treated]
     return {
         "stents": stents,
         "diameters": stents[0].as_dict()["diameters"],

@@ -73,8 +73,8 @@ class Summary(NamedTuple):
 def deployment_summary(result: PlanResult) -> Summary:
     """Summary of the stents and their results: lumen, stenosis, branches and contact."""
     stents = result.told.stents
-    facts = {one.number: stent_facts(one, result.lesions) for one in stents}
-    stenosis, *beside = (one.words for one in outcome_facts(stents, result.lesions))
+    facts = {one.number: stent_facts(one, result.told_lesions) for one in stents}
+    stenosis, *beside = (one.words for one in outcome_facts(stents, result.told_lesions))
     # In one line where pressures, which were asked for, need the other.
     flow = [] if result.flow is None else [flow_line(flow_section(result.flow))]
     lines = [
@@ -94,7 +94,7 @@ def deployment_sentences(result: PlanResult) -> Iterator[str]:
     yield from today_facts(result.today).sentences if result.today else ()
     for stent in result.told.stents:
         label = label_of(result.plan.stents, stent.number)
-        yield from (label + line for line in stent_lines(stent, result.lesions))
+        yield from (label + line for line in stent_lines(stent, result.told_lesions))
     if result.flow is not None:
         yield from flow_sentences(flow_section(result.flow))
     certificate = surface_fact(result.treatment.certificate, result.inputs.surface.units)

@@ -9,6 +9,7 @@ from .lesions import TreatedLesion as TreatedLesion
 from .lesions import lesions_of_treated as lesions_of_treated
 from .lesions import nearest_lesion as nearest_lesion
 from .lesions import residual_of as residual_of
+from .lesions import told_first as told_first
 from .lesions import treated_lesions as treated_lesions
 from .lesions import with_known_minima as with_known_minima
 from .own_lines import Extraction as Extraction

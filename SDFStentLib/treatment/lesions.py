@@ -11,7 +11,7 @@ import numpy as np
 from ..geometry import Line, Surface
 from ..lumen import DiameterProfile, moved_wall
 from ..validation import Place
-from ..vessel import Lesion, lesions_after, lesions_within
+from ..vessel import Lesion, TreeLesions, is_touched, lesions_after, lesions_within
 from .placing import NOTICED, uncovered_length
 from .value import PlacedStent, TreatedStent
 
@@ -188,6 +188,31 @@ def lesions_of_treated(
         for one in lesions
         if one.before.vessel in treated or one.after is not one.before or one.number in nearest
     )
+
+
+def told_first(
+    tree: TreeLesions, stents: Sequence[PlacedStent], after: Surface, before: Surface
+) -> tuple[TreatedLesion, ...] | None:
+    """`lesions_of_treated` by the first lesions of a tree; None where others may be among them.
+
+    Parameters as of `treated_lesions`.
+    """
+    told = lesions_of_treated(treated_lesions(tree.first, stents, after, before), stents)
+    treated = {one.before.vessel for one in told if one.stents}
+    if not {one.number for one in stents} <= {number for one in told for number in one.stents}:
+        return None
+    moved, lines = moved_wall(before, after), [one.axis.line for one in stents]
+    for other in tree.others:
+        if other.vessel in treated or is_touched(other, moved) or _is_beside(other, lines):
+            return None
+    return told
+
+
+def _is_beside(lesion: Lesion, lines: Sequence[Line]) -> bool:
+    """Whether a line comes so near to a lesion that a stent along it may cover its narrowest place,
+    wherever that is."""
+    reach = lesion.reference_diameter + float(lesion.line.pieces.max(initial=0.0))
+    return any(line.nearest(lesion.line.points).distances.min() <= reach for line in lines)
 
 
 def residual_of(lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent]) -> Residual | None:

@@ -19,10 +19,10 @@ from ..validation import InputError, Points
 from ..vessel import (
     Lesion,
     LineSeeds,
+    TreeLesions,
     VesselName,
     branch_names,
     ends_without_line,
-    find_lesions,
     given_names,
     lesions_against,
     lesions_within,
@@ -104,6 +104,15 @@ class Vessel:
         InputError
             Places of the reference that cannot be one; as of `given_names`.
         """
+        tree = self.tree_lesions
+        if tree is None or not self.reference:
+            return None if tree is None else tree.every
+        assert self.centerline is not None
+        return lesions_against(tree.every, self.reference, self.with_islands, self.centerline)
+
+    @cached_property
+    def tree_lesions(self) -> TreeLesions | None:
+        """`lesions` but for a reference that the user marked, measured as far as somebody asks."""
         if self.centerline is None:
             return None
         wall, faces = self.with_islands, self.faces
@@ -111,10 +120,7 @@ class Vessel:
         if faces is not None and extra:
             # No end of the vessel is on an island: any part will do.
             faces = NamedFaces(np.pad(faces.ids, (0, extra), mode="edge"), faces.names)
-        found = find_lesions(wall, self.centerline, faces, self.given_names)
-        if not self.reference:
-            return found
-        return lesions_against(found, self.reference, wall, self.centerline)
+        return TreeLesions(wall, self.centerline, faces, self.given_names)
 
     @cached_property
     def with_islands(self) -> Surface:

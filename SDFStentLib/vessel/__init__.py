@@ -8,12 +8,14 @@ from .branch_lumen import lumen_left as lumen_left
 from .branch_names import branch_names as branch_names
 from .given_names import VesselName as VesselName
 from .given_names import given_names as given_names
+from .lesion_measuring import is_touched as is_touched
 from .lesion_measuring import lesions_after as lesions_after
 from .lesion_sections import tightest as tightest
 from .lesion_value import HealthyPlace as HealthyPlace
 from .lesion_value import Lesion as Lesion
 from .lesion_value import with_sections as with_sections
 from .lesions import SMALL_VESSEL as SMALL_VESSEL
+from .lesions import TreeLesions as TreeLesions
 from .lesions import find_lesions as find_lesions
 from .lesions import lesion_after as lesion_after
 from .lesions import lesions_within as lesions_within

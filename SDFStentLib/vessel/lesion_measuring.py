@@ -73,6 +73,11 @@ def lesions_after(
     return with_limbs(every, [len(one.limbs) for one in lesions])
 
 
+def is_touched(lesion: Lesion, moved: MovedWall) -> bool:
+    """Whether a moved wall may have changed anything of a lesion."""
+    return _changed(lesion, moved) is not None
+
+
 def with_limbs(every: Sequence[Lesion], counts: Sequence[int]) -> list[Lesion]:
     """Lesions with so many limbs each; these stand behind all of them, in order."""
     ends = np.cumsum([len(counts), *counts]).tolist()

@@ -5,9 +5,9 @@ A lesion is a property of the vessel. No stent takes part in what it measures.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -73,27 +73,80 @@ def find_lesions(
     InputError
         No surface, or a centerline outside of it.
     """
-    surface = as_surface(surface)
-    runs, asked = measured_runs(surface, centerline)
-    found = found_narrowings(runs, asked)
-    faces = checked_faces(faces, len(surface.triangles))
-    named = named_branches(surface, centerline, faces, given)
-    main = [is_main(run, runs) for run in runs]
-    starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
-    every = [*found, *(limb for one in found for limb in one.limbs)]
-    lesions = []
-    for one, healthy in zip(every, _healthy_places(surface, every), strict=True):
-        otherwise = vessel_name(runs[one.vessel], main[one.vessel])
-        names = [name or otherwise for name in named]
-        lesions.append(_begun(one, healthy, names, starts, surface))
+    return TreeLesions(surface, centerline, faces, given).every
 
-    def rank(lesion: Lesion) -> tuple[bool, bool, float]:
+
+class TreeLesions:
+    """Lesions of a vessel tree, measured when somebody asks: those near the root before the others.
+
+    Parameters and errors as of `find_lesions`.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        centerline: Centerline,
+        faces: NamedFaces | None = None,
+        given: Sequence[str | None] = (),
+    ) -> None:
+        self._surface = surface = as_surface(surface)
+        runs, asked = measured_runs(surface, centerline)
+        found = found_narrowings(runs, asked)
+        faces = checked_faces(faces, len(surface.triangles))
+        named = named_branches(surface, centerline, faces, given)
+        self._main = [is_main(run, runs) for run in runs]
+        starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
+        every = [*found, *(limb for one in found for limb in one.limbs)]
+        begun = []
+        for one, healthy in zip(every, _healthy_places(surface, every), strict=True):
+            otherwise = vessel_name(runs[one.vessel], self._main[one.vessel])
+            names = [name or otherwise for name in named]
+            begun.append(_begun(one, healthy, names, starts, surface))
+        self._wall = tree_lumen(surface, centerline).spheres.surface
+        # No main vessel has more than one before it: what begins later takes none of its lesions.
+        self._early, self._late = list[Lesion](), list[Lesion]()
+        for lesion in with_limbs(begun, [len(one.limbs) for one in found]):
+            first = min(one.generation for one in (lesion, *lesion.limbs))
+            (self._early if first <= 1 else self._late).append(lesion)
+
+    @cached_property
+    def first(self) -> tuple[Lesion, ...]:
+        """Those of `every` that come before the others, however narrow these are: of main vessels
+        that are not small."""
+        return tuple(one for one in self._in_order(self._near_root) if self._is_first(one))
+
+    @cached_property
+    def every(self) -> tuple[Lesion, ...]:
+        """All of them, as of `find_lesions`."""
+        return self._in_order([*self._near_root, *self._measured(self._late)])
+
+    @property
+    def others(self) -> Iterator[Lesion]:
+        """What may be among the others, limbs as well, and may not be measured: their reference is
+        the widest."""
+        early = (one for one in self._in_order(self._near_root) if not self._is_first(one))
+        for whole in (*early, *self._late):
+            for one in (whole, *whole.limbs):
+                yield replace(one, reference_diameter=float(one.healthy.max()))
+
+    @cached_property
+    def _near_root(self) -> list[Lesion]:
+        return self._measured(self._early)
+
+    def _measured(self, begun: Sequence[Lesion]) -> list[Lesion]:
+        every = [*begun, *(limb for one in begun for limb in one.limbs)]
+        found = measured(every, self._surface, self._wall)
+        return with_limbs(found, [len(one.limbs) for one in begun])
+
+    def _in_order(self, lesions: Sequence[Lesion]) -> tuple[Lesion, ...]:
+        return tuple(sorted(_told(lesions), key=self._rank))
+
+    def _is_first(self, lesion: Lesion) -> bool:
+        return not any(self._rank(lesion)[:2])
+
+    def _rank(self, lesion: Lesion) -> tuple[bool, bool, float]:
         is_small = lesion.reference_diameter < SMALL_VESSEL
-        return is_small, not main[lesion.vessel], -lesion.percent_diameter
-
-    wall = tree_lumen(surface, centerline).spheres.surface
-    whole = with_limbs(measured(lesions, surface, wall), [len(one.limbs) for one in found])
-    return tuple(sorted(_told(whole), key=rank))
+        return is_small, not self._main[lesion.vessel], -lesion.percent_diameter
 
 
 def _told(lesions: Sequence[Lesion]) -> list[Lesion]:
@@ -107,7 +160,7 @@ def _told(lesions: Sequence[Lesion]) -> list[Lesion]:
         if lesion.percent_diameter < least:
             told += limbs
         else:
-            told.append(replace(lesion, limbs=tuple(_each_once(limbs, [lesion]))))
+            told += with_limbs([lesion, *(own := _each_once(limbs, [lesion]))], [len(own)])
     return _each_once(told)
 
 

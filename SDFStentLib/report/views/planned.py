@@ -118,7 +118,7 @@ def _seen(result: PlanResult, wishes: ViewWishes, hides_device: bool) -> tuple[S
     return tuple(
         SeenStent(
             one.number,
-            Sight(stent_stretch(one, result.lesions), result.vessel, frame).told(wishes),
+            Sight(stent_stretch(one, result.told_lesions), result.vessel, frame).told(wishes),
             walls,
             struts,
         )
