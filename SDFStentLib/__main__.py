@@ -1,9 +1,10 @@
 """`python -m SDFStentLib` is the command `sdfstent`."""
 
+import gc
 import os
 import sys
 
-from .cli import INTERRUPTED, end_at_once
+from .cli import INTERRUPTED, end_at_once, entry
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """Variables by which libraries of linear algebra limit their threads. Products here are thin: more
@@ -15,10 +16,14 @@ def main() -> int:
     end_at_once()
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
-    from .cli import main as command
+    # What modules hold stays: the collector would look at it again and again.
+    gc.disable()
+    command = entry()
+    gc.freeze()
+    gc.enable()
     from .threads import are_busy
 
-    code = command()
+    code = command(None)
     if code == INTERRUPTED or are_busy():
         # An interruption that came while text was executed (as dataclasses do) is remembered by
         # Python, which would end by the signal although it was handled. Threads that are at work
