@@ -25,13 +25,6 @@ WIDTHS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
 """Widths that are computed, in voxels; between them values are blended. Below the first a
 staircase is not smoothed at all; the last one leaves less of it than a facet is off."""
 
-EVENED = 1.4
-"""Width of a filter, in voxels, that evens out what a wide filter takes away of a staircase."""
-
-STAIRS = 0.15
-"""What that leaves of a staircase, over the longest side of a voxel, its step. With 0.1 walls keep
-the noise at a label's border, with 0.2 a throat of ten voxels is half a voxel wider."""
-
 
 Box = tuple[slice, ...]
 
@@ -73,27 +66,18 @@ def wall_distance(labelmap: Labelmap, share: float = SHARE) -> Grid:
         for box, inner in _boxes(is_own, _reach(_TAIL * width, per_width)):
             own = _filtered(distance[box], width * per_width)[inner]
             found[box][inner] += np.clip(1 - np.abs(level[box][inner] - number), 0, 1) * own
-    made = found.copy()
-    for box, inner in _boxes(is_near, _reach(_TAIL / 2 * EVENED, per_width)):
-        told = _as_seen(found[box], smooth[box], labelmap)
-        made[box][inner] = told[inner]
-    return made
+    return _as_seen(found, smooth, float(labelmap.spacing.max()))
 
 
-def _as_seen(found: Grid, seen: Grid, labelmap: Labelmap) -> Grid:
-    """A distance that was filtered, and that by a filter as wide as a voxel where both are apart.
+def _as_seen(found: Grid, seen: Grid, step: float) -> Grid:
+    """A filtered distance, and where it is off that by a filter as wide as a voxel, more of this.
 
-    What a wide filter takes away of a staircase is less than half a step, and evens out over some
-    voxels. What is not is vessel: the crotch of a fork, a throat beside another vessel, the rim of
-    a flat end, a vessel of two voxels.
+    A staircase is within half a step of its wall. What a wide filter moves farther is vessel: the
+    crotch of a fork, a throat beside what is wider, the rim of a flat end, a vessel of two voxels.
     """
-    from scipy.ndimage import gaussian_filter
-
-    off, step = found - seen, labelmap.spacing.max()
-    widths = EVENED * labelmap.voxel / labelmap.spacing
-    even = gaussian_filter(off, widths, mode="nearest")
-    moved = np.maximum(np.abs(even) / STAIRS, np.abs(off) / 0.5) / step
-    return np.asarray(seen + np.clip(2 - moved, 0, 1) * off)
+    off = (found - seen) / step
+    size = np.abs(off)
+    return seen + step * np.sign(off) * np.maximum(np.minimum(size, (1.5 - size) / 2), 0)
 
 
 def _border_distance(labelmap: Labelmap) -> Grid:

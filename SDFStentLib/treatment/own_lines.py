@@ -19,7 +19,7 @@ from ..centerline import (
     with_places,
 )
 from ..geometry import Line, Surface, as_surface, norm
-from ..lumen import inscribed_spheres
+from ..lumen import ALIKE, inscribed_spheres
 from ..validation import (
     DeploymentError,
     Flags,
@@ -32,7 +32,7 @@ from ..validation import (
     coordinates,
 )
 from ..vessel import KnownEnds, known_ends
-from .blunt_ends import blunt_ends
+from .blunt_ends import BluntEnd, blunt_ends
 
 OPEN, BALLS, ENDS, DRAWN = 0.05, 0.43, 0.64, 0.69
 """Share of the time that has passed once the open ends, the balls, all ends and the ways between
@@ -152,26 +152,24 @@ class _FoundEnds(NamedTuple):
 def _found_ends(
     closed: Surface, balls: InnerBalls, begin: int | None, known: Indices
 ) -> _FoundEnds:
-    """Round and blunt ends of a closed surface, besides the balls at those that are known."""
-    tips = round_ends(balls, begin, known, closed)
-    ends = np.r_[known, tips]
-    blunt = [
-        end
-        for end in blunt_ends(closed, balls.at_wall)
-        if _is_apart(balls, ends, end.place, end.radius)
-    ]
-    radii = np.r_[balls.radii[tips], [end.radius for end in blunt]]
+    """Round and blunt ends of a closed surface, besides the balls at those that are known.
+
+    Blunt ends first: their places are in the middle of the vessel, a round end's may be in the rim.
+    """
+    blunt: list[BluntEnd] = []
+    centers, widths = balls.centers[known], balls.radii[known]
+    for end in blunt_ends(closed, balls.at_wall):
+        if (norm(centers - end.place) > widths + end.radius).all():
+            blunt.append(end)
+            centers, widths = np.vstack([centers, end.place]), np.append(widths, end.radius)
+    ends = len(balls.radii) + np.arange(len(blunt))
     if blunt:
-        tips = np.r_[tips, len(balls.radii) + np.arange(len(blunt))]
         balls = with_places(balls, np.array([end.place for end in blunt]))
+        begin = int(ends[0]) if begin is None else begin
+    tips = round_ends(balls, begin, np.r_[known, ends], closed)
+    radii = np.r_[balls.radii[tips], [end.radius for end in blunt]]
     order = np.argsort(-radii, kind="stable")
-    return _FoundEnds(balls, tips[order], radii[order])
-
-
-def _is_apart(balls: InnerBalls, ends: Indices, place: Points, radius: float) -> bool:
-    """Whether a ball touches none of those at some ends."""
-    away = norm(balls.centers[ends] - place)
-    return bool((away > balls.radii[ends] + radius).all())
+    return _FoundEnds(balls, np.r_[tips, ends][order], radii[order])
 
 
 def _goals(seeds: KnownEnds, are_named: bool, show: Callable[[float], None]) -> _Goals:
@@ -190,7 +188,7 @@ def _goals(seeds: KnownEnds, are_named: bool, show: Callable[[float], None]) -> 
         found = _found_ends(closed, balls, begin, known)
         balls = found.balls
         # A spot of two triangles that lie in one plane may pass for a flat end.
-        is_wider = found.radii.max(initial=0.0) > seeds.inlet_radius
+        is_wider = found.radii.max(initial=0.0) > ALIKE * seeds.inlet_radius
         goals = np.r_[found.ends, known] if is_wider else np.r_[known, found.ends]
     if len(goals) < 2:
         raise InputError(
