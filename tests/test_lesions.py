@@ -652,6 +652,27 @@ def test_a_vessel_that_tapers_far_beyond_its_narrow_ostium_is_no_aneurysm():
     assert not narrowings(vessel_along(focal, parent=0))
 
 
+def test_what_is_no_wider_than_its_trunk_lets_go_on_is_no_aneurysm():
+    """66 % where a vessel divides were not told, as its branch tapers to its end farther on."""
+    before = vessel_along(through((0, 8.0), (55, 8.0), (60, 3.9)))
+    before = before._replace(division=(SideBranch(60.0, 5.8, 1), SideBranch(60.0, 4.9, 2)))
+    course = through((0, 3.9), (0.5, 2.6), (2, 2.6), (6, 5.8), (11, 5.8), (15, 2.3), (40, 2.3))
+    child = vessel_along(course, 0, start=60.0)._replace(caliber=5.8, beside=(4.9,))
+    other = leaving(through((0, 4.2), (25, 4.9)), 60.0)._replace(caliber=5.9, beside=(5.8,))
+    found = found_narrowings([before, child, other], [0, 1, 2])
+    assert [(one.vessel, one.narrow.narrowest < 63.0) for one in found] == [(1, True)]
+
+
+def test_a_minimum_stays_in_its_own_valley_though_another_one_is_deeper():
+    """41 % of a vessel were silent: against the only healthy side its parent is narrower still."""
+    course = through(
+        (0, 3.9), (4, 2.0), (10, 3.9), (14, 3.9), (20, 3.3), (26, 3.87), (31, 2.68), (37, 5.5),
+        (60, 5.4),
+    )  # fmt: skip
+    told = narrowings(vessel_along(course, parent=0), own=(15.0, 60.0))
+    assert [one.narrowest for one in told] == [31.0]
+
+
 @pytest.mark.parametrize(("end", "is_told"), [(33, True), (45, False)])
 def test_a_vessel_that_soon_ends_beyond_is_no_aneurysm(end, is_told):
     """56 % at the ostium of a branch that tapers to its end were not told."""

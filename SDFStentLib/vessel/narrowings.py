@@ -130,25 +130,34 @@ def narrowings(
     caliber, found = caliber_of(run), list[Narrowing]()
     if len(caliber.along) < 3:
         return found
-    every = (_narrowing(run, caliber, at, eased, own, leaving) for at in _minima(caliber))
+    every = (_narrowing(run, caliber, one, eased, own, leaving) for one in _basins(caliber))
     for one in sorted((one for one in every if one), key=lambda one: -one.degree):
         if all(one.end <= other.start or other.end <= one.start for other in found):
             found.append(one)
     return sorted(found, key=lambda one: one.start)
 
 
-def _minima(caliber: Caliber) -> list[int]:
-    """The places between which a vessel is wider than at both by more than an edge is.
+class _Basin(NamedTuple):
+    """A minimum, and the widest places between it and the ones beside it; indices of places."""
+
+    first: int
+    lowest: int
+    last: int
+
+
+def _basins(caliber: Caliber) -> list[_Basin]:
+    """The minima between which a vessel is wider than at both by more than an edge is.
 
     Its ends are among them: what lies beyond is not known.
     """
     diameter = caliber.diameter.tolist()
     widths = np.where(caliber.kept > 0, caliber.kept, caliber.diameter).tolist()
-    found, lowest, highest, rises = [], 0, 0, False
+    found, tops, lowest, highest, rises = [], [0], 0, 0, False
     for at, width in enumerate(widths):
         if rises:
             highest = at if width > widths[highest] else highest
             if width <= (1 - EDGE_DEGREE) * widths[highest]:
+                tops.append(highest)
                 lowest, rises = at, False
         else:
             is_lower = (width, diameter[at]) < (widths[lowest], diameter[lowest])
@@ -156,18 +165,20 @@ def _minima(caliber: Caliber) -> list[int]:
             if widths[lowest] <= (1 - EDGE_DEGREE) * width:
                 found.append(lowest)
                 highest, rises = at, True
-    return found if rises else [*found, lowest]
+    found += [] if rises else [lowest]
+    return [_Basin(*one) for one in zip(tops, found, [*tops[1:], len(widths) - 1], strict=True)]
 
 
 def _narrowing(
     run: VesselRun,
     caliber: Caliber,
-    at: int,
+    basin: _Basin,
     eased: float,
     own: tuple[float, float],
     leaving: Sequence[Leaving],
 ) -> Narrowing | None:
     """The narrowing with a minimum, if that persists and lies in the vessel itself."""
+    at = basin.lowest
     reference = _reference(run, caliber, at, eased, own)
     if reference is None:
         return None
@@ -179,8 +190,8 @@ def _narrowing(
     first = int(healthy[healthy < at].max(initial=-1)) + 1
     last = int(healthy[healthy > at].min(initial=len(along))) - 1
     # What a junction takes at once does not tell on which side of it that is narrowest.
-    narrow = slice(first, last + 1)
-    at = first + int((diameter / reference.tapering(along))[narrow].argmin())
+    begin, end = max(first, basin.first), min(last, basin.last)
+    at = begin + int((diameter / reference.tapering(along))[begin : end + 1].argmin())
     if degree[at] < SMALLEST_DEGREE - eased or not own[0] <= along[at] <= own[1]:
         return None
     # Beside the narrowest station no line tells how narrow it is between that and the next ones.
@@ -197,7 +208,7 @@ def _reference(
 ) -> Reference | None:
     """The healthy vessel about a minimum; None where that does not persist."""
     narrow, begins = float(caliber.diameter[at]), own[0]
-    widest, smallest = _again(caliber, at, begins, eased)
+    widest, smallest = _again(run, caliber, at, eased, begins)
     persists = narrow <= (1 - smallest + eased) * widest
     is_ostial, is_one_sided = run.parent >= 0, False
     above, beyond = (_one_sided(caliber, at, way) for way in (-1, 1))
@@ -231,7 +242,9 @@ def _reference(
     return Reference(before, after, widest)
 
 
-def _again(caliber: Caliber, at: int, begins: float, eased: float) -> tuple[float, float]:
+def _again(
+    run: VesselRun, caliber: Caliber, at: int, eased: float, begins: float
+) -> tuple[float, float]:
     """Diameter of a vessel wider again on both sides of a minimum, mm, and the least
     persistence."""
     sides = [_widest(caliber, at, way) for way in (-1, 1)]
@@ -242,7 +255,8 @@ def _again(caliber: Caliber, at: int, begins: float, eased: float) -> tuple[floa
     if begins <= caliber.along[0]:
         return min(sides), SMALLEST_DEGREE
     # Nothing of its own is wider before: it may begin narrower, as healthy vessels do.
-    return min(sides[0], _one_sided(caliber, at, 1)), SMALLEST_ONWARD
+    lets = left_by(_widest(caliber, at, -1, ONE_SIDED_REACH), run.beside)
+    return min(sides[0], _one_sided(caliber, at, 1, lets)), SMALLEST_ONWARD
 
 
 def _alone(run: VesselRun, narrow: float, eased: float) -> Reference | None:
@@ -288,16 +302,16 @@ def _widest(caliber: Caliber, at: int, way: int, reach: float = np.inf) -> float
     return float(kept[is_own & (away / reach <= kept)].max(initial=diameter[0]))
 
 
-def _one_sided(caliber: Caliber, at: int, way: int) -> float:
+def _one_sided(caliber: Caliber, at: int, way: int, lets: float = 0.0) -> float:
     """Width again near a junction, but in an aneurysm.
 
     That is widest in its middle third, loses half of it as fast as a throat regains it, and beyond
     it the vessel stays as narrow as before, as far as counts at an ostium: what ends sooner
-    tapers.
+    tapers. It is wider than what a vessel before a junction `lets` go on, mm.
     """
     away, diameter, kept = _side(caliber, at, way)
     widest = _widest(caliber, at, way, ONE_SIDED_REACH)
-    if widest < ANEURYSM * diameter[0]:
+    if widest < max(ANEURYSM * diameter[0], lets):
         return widest
     peak = int(np.argmax(kept == widest))
     half = away[peak:][diameter[peak:] <= diameter[0] + REGAINED * (widest - diameter[0])]
