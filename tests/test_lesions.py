@@ -344,6 +344,26 @@ def test_what_is_narrowest_beyond_a_fork_is_its_own_though_a_branch_is_tighter(t
     assert [one.vessel for one in found_narrowings(runs, [0, 1])] == vessels
 
 
+def test_the_way_into_a_branch_before_a_vessel_s_own_throat_is_told_with_it():
+    """58 % on the way into a branch as wide were silent: the vessel is narrowest just beyond the
+    fork, where it goes on aside of that way."""
+    along = np.arange(0, 60.1, 0.5)
+    parent = vessel_along(5.5 - 3.8 * np.clip(1 - np.abs(along - 31) / 6, 0, 1))
+    parent = parent._replace(side_branches=(SideBranch(29.5, 5.0, 1),))
+    beyond = np.arange(0, 25.1, 0.5)
+    child = leaving(np.interp(beyond, [0, 1, 4], [2.6, 3.2, 5.0]), 29.5)
+    runs = [parent, child._replace(caliber=5.0, beside=(5.5,))]
+    (found,) = found_narrowings(runs, [0, 1])
+    (limb,) = found.limbs
+    assert (found.vessel, found.narrow.narrowest, limb.vessel) == (0, 31.0, 1)
+    assert limb.narrow.narrowest == pytest.approx(29.5)
+    assert limb.narrow.degree == pytest.approx(1 - 2.65 / 5.2, abs=0.05)
+    # The vessel's own throat before the fork is that of both.
+    before = parent._replace(diameter=5.5 - 3.8 * np.clip(1 - np.abs(along - 28) / 6, 0, 1))
+    (found,) = found_narrowings([before, runs[1]], [0, 1])
+    assert (found.narrow.narrowest, found.limbs) == (28.0, ())
+
+
 def test_a_throat_from_which_several_branches_go_on_narrower_is_that_of_the_vessel_before():
     """44 % at the end of a trunk were dropped for 48 % and 47 % of two of three branches."""
     trunk = vessel_along(through((0, 10.6), (50, 10.6), (60, 5.9)))

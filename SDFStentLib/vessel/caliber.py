@@ -116,8 +116,17 @@ class VesselWay(NamedTuple):
     """What leaves it on its way."""
 
     def vessel_at(self, along: float) -> int:
-        """The vessel of the tree at an arc length from the root, mm."""
-        return next(vessel for begin, vessel in reversed(self.begins) if begin <= along)
+        """The vessel of the tree at an arc length from the root, mm; -1 before the first one."""
+        return next((vessel for begin, vessel in reversed(self.begins) if begin <= along), -1)
+
+    def begin_of(self, vessel: int) -> float:
+        """Arc length from the root at which one of its vessels begins, mm."""
+        return next(begin for begin, one in self.begins if one == vessel)
+
+    @property
+    def vessels(self) -> list[int]:
+        """Indices of the vessels of the way, from the root's side on."""
+        return [vessel for _, vessel in self.begins]
 
 
 def vessel_ways(runs: Sequence[VesselRun]) -> list[VesselWay]:

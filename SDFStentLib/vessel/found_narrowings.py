@@ -10,7 +10,7 @@ At a fork several vessels share a throat, which is that of the one from which th
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -49,12 +49,12 @@ def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[Vessel
 
 def _asked(runs: Sequence[VesselRun]) -> list[int]:
     """Vessels with a possible narrowing, or with healthy vessel beside another's."""
-    found: set[int] = set()
-    for number, way in enumerate(vessel_ways(runs)):
-        for narrow in narrowings(way.run, NEARLY - 1, way.own, way.leaving):
-            found.add(number)
-            sides = (narrow.reference.proximal, narrow.reference.distal)
-            found |= {way.vessel_at(side.arc_length) for side in sides if side is not None}
+    found, ways, numbers = set[int](), vessel_ways(runs), range(len(runs))
+    every = [one for number in numbers for one in _of(ways[number], number, NEARLY - 1)]
+    for one in every:
+        found.add(one.vessel)
+        found |= {one.way.vessel_at(side.arc_length) for side in one.sides if side is not None}
+    found |= {limb.vessel for limb in _through(ways, numbers, every, NEARLY - 1)}
     return sorted(found)
 
 
@@ -102,6 +102,11 @@ class FoundNarrowing:
         """Index of its narrowest station."""
         return int(np.abs(self.run.along - self.narrow.narrowest).argmin())
 
+    def is_on(self, way: VesselWay) -> bool:
+        """Whether a way passes its narrowest place."""
+        along = self.narrow.narrowest
+        return way.vessel_at(along) == self.way.vessel_at(along)
+
     @cached_property
     def is_at_ostium(self) -> bool:
         """Whether it begins where the vessel leaves its parent."""
@@ -140,7 +145,7 @@ class FoundNarrowing:
         than it is wide.
         """
         is_onward = self.way.begins[0][1] != self.vessel
-        begins = next(begin for begin, vessel in self.way.begins if vessel == self.vessel)
+        begins = self.way.begin_of(self.vessel)
         if self.way.parent != other.vessel or not is_onward or other.narrow.narrowest > begins:
             return False
         places = (one.run.points[one.narrowest] for one in (self, other))
@@ -153,14 +158,11 @@ def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[Fo
 
     What is narrowest in the lumen of a vessel's own one is a limb of that: a vessel comes before
     branches, which begin in its wall. Where its throat goes on in one branch, and is tighter there,
-    it is a limb of that one; one from which several go on is its own.
+    it is a limb of that one; one from which several go on is its own. Where a vessel's throat goes
+    on beyond a fork, what the way into another branch passes before it is a limb, too.
     """
     ways = vessel_ways(runs)
-    every = [
-        FoundNarrowing(number, way, narrow)
-        for number, way in ((number, ways[number]) for number in asked)
-        for narrow in narrowings(way.run, own=way.own, leaving=way.leaving)
-    ]
+    every = [one for number in asked for one in _of(ways[number], number)]
     onward: dict[int, list[FoundNarrowing]] = defaultdict(list)
     for one, above in product(every, every):
         if one.continues(above):
@@ -181,4 +183,38 @@ def found_narrowings(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[Fo
         throat = throats.get(id(throat), throat)
         if throat is not None and throat.vessel != one.vessel:
             limbs[id(throat)].append(one)
+    for one in _through(ways, asked, every):
+        throat = next((other for other in kept if other.holds(one)), None)
+        if throat is not None and all(limb.vessel != one.vessel for limb in limbs[id(throat)]):
+            limbs[id(throat)].append(one)
     return [replace(one, limbs=tuple(limbs[id(one)])) for one in kept]
+
+
+def _of(
+    way: VesselWay, vessel: int, eased: float = 0.0, own: tuple[float, float] | None = None
+) -> list[FoundNarrowing]:
+    """The narrowings on the way of a vessel that are narrowest in that, or between arc lengths."""
+    found = narrowings(way.run, eased, own or way.own, way.leaving)
+    return [FoundNarrowing(vessel, way, one) for one in found]
+
+
+def _through(
+    ways: Sequence[VesselWay],
+    numbers: Iterable[int],
+    known: Sequence[FoundNarrowing],
+    eased: float = 0.0,
+) -> Iterator[FoundNarrowing]:
+    """Narrowings on the ways from a vessel into others, narrowest before these begin.
+
+    Each is in the lumen of known ones of that vessel, which are narrowest beyond, aside of the way.
+    """
+    for number in numbers:
+        way = ways[number]
+        before = [one for one in known if way.parent in one.way.vessels]
+        if not before or way.parent not in way.vessels:
+            continue
+        own = ways[way.parent].own[0], way.begin_of(number)
+        for one in _of(way, number, eased, own):
+            holding = [other for other in before if other.holds(one)]
+            if holding and not any(other.is_on(way) for other in holding):
+                yield one

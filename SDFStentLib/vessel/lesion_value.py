@@ -43,7 +43,7 @@ class Lesion:
     branch: int
     """Index into `Centerline.branches` of the branch in which it is narrowest."""
     branch_name: str
-    """Name of that branch, as of `branch_names`."""
+    """Name of that branch, or of the one to which a limb leads, as of `branch_names`."""
     branch_arc_length: float
     """The arc length of the narrowest place, from the start of that branch."""
     arc_length: float

@@ -279,13 +279,15 @@ def _begun(
     at = int(np.abs(run.along - narrow.narrowest).argmin())
     unknown = float("nan")
     shift = float(starts[run.branch[at]] + run.branch_along[at] - run.along[at])
+    # What another vessel's way passes before that begins is called after that vessel.
+    own = int(np.flatnonzero(run.along >= found.way.begin_of(found.vessel))[:2].max())
     sides = [
         None if side is None else replace(side, arc_length=side.arc_length + shift)
         for side in healthy
     ]
     return Lesion(
         branch=int(run.branch[at]),
-        branch_name=names[run.branch[at]],
+        branch_name=names[run.branch[max(at, own)]],
         branch_arc_length=float(run.branch_along[at]),
         arc_length=float(run.along[at]) + shift,
         start=float(start) + shift,

@@ -188,9 +188,11 @@ def _belongs(truth: Truth, place: np.ndarray) -> bool:
     """Whether a place lies near the middle of a vessel where, or beside where, it is narrowed."""
     along = np.array(truth.along)
     inner = (along >= along[truth.begin] - _ZONE) & (along <= along[truth.end] + _ZONE)
-    apart = np.linalg.norm(np.array(truth.stations)[inner] - place, axis=1)
+    # A sphere beside a line, as in a throat at a fork, is the truth's own.
+    middles = np.vstack([np.array(truth.stations)[inner], truth.place])
+    widths = np.append(np.array(truth.diameter)[inner], truth.minimum)
     # Farther aside it is in a branch that leaves there, narrowed at its ostium by the same wall.
-    return bool((apart <= np.array(truth.diameter)[inner] / 4 + 0.25).any())
+    return bool((np.linalg.norm(middles - place, axis=1) <= widths / 4 + 0.25).any())
 
 
 def _off(percent: float, truth: Truth) -> float:
