@@ -29,6 +29,9 @@ ANEURYSM = 1.5
 (suggested standards for reporting on arterial aneurysms, J Vasc Surg 1991,
 doi:10.1067/mva.1991.26737: a focal dilation by at least half of the normal diameter)."""
 
+EDGE_DEGREE = 0.10
+"""A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
+
 _CLOSE = 0.1
 """The part of a vessel's median diameter by which places of its caliber are apart:
 stations may lie a third of one apart."""
@@ -66,6 +69,38 @@ def caliber_of(run: VesselRun) -> Caliber:
     chosen = is_within & is_whole[:, None]
     np.maximum.at(kept, near[chosen], np.broadcast_to(narrowest[:, None], near.shape)[chosen])
     return Caliber(along, diameter, kept, is_cut)
+
+
+class Basin(NamedTuple):
+    """A minimum, and the widest places between it and the ones beside it; indices of places."""
+
+    first: int
+    lowest: int
+    last: int
+
+
+def basins(caliber: Caliber) -> list[Basin]:
+    """The minima between which a vessel is wider than at both by more than an edge is.
+
+    Its ends are among them: what lies beyond is not known.
+    """
+    diameter = caliber.diameter.tolist()
+    widths = np.where(caliber.kept > 0, caliber.kept, caliber.diameter).tolist()
+    found, tops, lowest, highest, rises = [], [0], 0, 0, False
+    for at, width in enumerate(widths):
+        if rises:
+            highest = at if width > widths[highest] else highest
+            if width <= (1 - EDGE_DEGREE) * widths[highest]:
+                tops.append(highest)
+                lowest, rises = at, False
+        else:
+            is_lower = (width, diameter[at]) < (widths[lowest], diameter[lowest])
+            lowest = at if is_lower else lowest
+            if widths[lowest] <= (1 - EDGE_DEGREE) * width:
+                found.append(lowest)
+                highest, rises = at, True
+    found += [] if rises else [lowest]
+    return [Basin(*one) for one in zip(tops, found, [*tops[1:], len(widths) - 1], strict=True)]
 
 
 def healthy_caliber(run: VesselRun) -> float:

@@ -22,8 +22,8 @@ from ..geometry import Surface
 from ..lumen import NEARLY, InscribedSpheres, LocalSurface, with_own_spheres
 from ..validation import Indices
 from .branch_lumen import tree_lumen
-from .caliber import VesselWay, vessel_ways
-from .narrowings import EDGE_DEGREE, Narrowing, Plateau, narrowings
+from .caliber import EDGE_DEGREE, VesselWay, vessel_ways
+from .narrowings import Narrowing, Plateau, narrowings
 from .runs import VesselRun, vessel_runs
 from .tree_around import limbs_of
 

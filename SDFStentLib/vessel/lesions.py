@@ -26,12 +26,12 @@ from ..lumen import ASKEW, CENTERED
 from ..validation import Floats, as_place
 from .branch_lumen import tree_lumen
 from .branch_names import named_branches, size_words
-from .caliber import healthy_caliber
+from .caliber import EDGE_DEGREE, healthy_caliber
 from .found_narrowings import FoundNarrowing, found_narrowings, measured_runs
 from .lesion_measuring import lesions_after, measured, with_limbs
 from .lesion_sections import healthy_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
-from .narrowings import EDGE_DEGREE, SMALLEST_DEGREE, Plateau
+from .narrowings import SMALLEST_DEGREE, Plateau
 from .runs import VesselRun, is_main
 
 SMALL_VESSEL = 3.0

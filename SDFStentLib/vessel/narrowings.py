@@ -16,7 +16,7 @@ import numpy as np
 
 from ..centerline import USUAL
 from ..validation import Floats
-from .caliber import ANEURYSM, KEPT, Caliber, caliber_of
+from .caliber import ANEURYSM, EDGE_DEGREE, KEPT, Basin, Caliber, basins, caliber_of
 from .runs import LOCAL, MURRAY_EXPONENT, Leaving, VesselRun, left_by
 
 SMALLEST_DEGREE = 0.15
@@ -47,9 +47,6 @@ has regained: the valley between two throats has less."""
 SETTLED = 0.02
 """Share of its flank's steepest slope by which a shoulder becomes less steep beyond at most; what
 does so by more is flank yet. Bells of up to 95 % are measured against healthy vessel to 1 %."""
-
-EDGE_DEGREE = 0.10
-"""A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
 
 
 class Plateau(NamedTuple):
@@ -130,49 +127,17 @@ def narrowings(
     caliber, found = caliber_of(run), list[Narrowing]()
     if len(caliber.along) < 3:
         return found
-    every = (_narrowing(run, caliber, one, eased, own, leaving) for one in _basins(caliber))
+    every = (_narrowing(run, caliber, one, eased, own, leaving) for one in basins(caliber))
     for one in sorted((one for one in every if one), key=lambda one: -one.degree):
         if all(one.end <= other.start or other.end <= one.start for other in found):
             found.append(one)
     return sorted(found, key=lambda one: one.start)
 
 
-class _Basin(NamedTuple):
-    """A minimum, and the widest places between it and the ones beside it; indices of places."""
-
-    first: int
-    lowest: int
-    last: int
-
-
-def _basins(caliber: Caliber) -> list[_Basin]:
-    """The minima between which a vessel is wider than at both by more than an edge is.
-
-    Its ends are among them: what lies beyond is not known.
-    """
-    diameter = caliber.diameter.tolist()
-    widths = np.where(caliber.kept > 0, caliber.kept, caliber.diameter).tolist()
-    found, tops, lowest, highest, rises = [], [0], 0, 0, False
-    for at, width in enumerate(widths):
-        if rises:
-            highest = at if width > widths[highest] else highest
-            if width <= (1 - EDGE_DEGREE) * widths[highest]:
-                tops.append(highest)
-                lowest, rises = at, False
-        else:
-            is_lower = (width, diameter[at]) < (widths[lowest], diameter[lowest])
-            lowest = at if is_lower else lowest
-            if widths[lowest] <= (1 - EDGE_DEGREE) * width:
-                found.append(lowest)
-                highest, rises = at, True
-    found += [] if rises else [lowest]
-    return [_Basin(*one) for one in zip(tops, found, [*tops[1:], len(widths) - 1], strict=True)]
-
-
 def _narrowing(
     run: VesselRun,
     caliber: Caliber,
-    basin: _Basin,
+    basin: Basin,
     eased: float,
     own: tuple[float, float],
     leaving: Sequence[Leaving],
