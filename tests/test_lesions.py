@@ -96,6 +96,18 @@ def test_a_flank_that_an_end_cuts_off_is_no_healthy_vessel(cut):
         assert (None in sides) == (cut < 26)
 
 
+@pytest.mark.parametrize(
+    ("throat", "end", "is_told"), [(3.0, 3.6, 1), (3.0, 3.4, 0), (4.1, 4.9, 0)]
+)
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_throat_that_an_end_cuts_off_is_told_by_its_other_side(throat, end, is_told, order):
+    """A throat of half was silent where it had hardly begun to widen before an outlet. What widens
+    by less than a lesion asks for, or is no narrower than healthy ostia are, tapers."""
+    course = through((0, 6.0), (20, 6.0), (26, throat), (28, end))[::order]
+    told = narrowings(vessel_along(course))
+    assert [round(one.degree, 1) for one in told] == [0.5] * is_told
+
+
 def test_an_aneurysm_makes_no_lesion_of_the_vessel_beside_it():
     axis = planar_axis([(120.0, 0.0)])
     healthy = tapering(5.0, 4.0, 120.0)

@@ -177,6 +177,11 @@ def _reference(
     persists = narrow <= (1 - smallest + eased) * widest
     is_ostial, is_one_sided = run.parent >= 0, False
     above, beyond = (_one_sided(caliber, at, way) for way in (-1, 1))
+    if not persists:
+        # What an in- or outlet cuts off as it begins to widen counts as at an ostium.
+        other = max(_cut_short(caliber, at, _from(caliber, begins), eased), default=0.0)
+        persists = narrow <= (1 - SMALLEST_ONE_SIDED + eased) * other
+        widest = other if persists else widest
     if is_ostial:
         is_told = beyond > above and narrow <= (1 - SMALLEST_ONE_SIDED + eased) * beyond
         # What lies between two places as narrow has regained little of what the vessel has beyond.
@@ -207,21 +212,36 @@ def _reference(
     return Reference(before, after, widest)
 
 
+def _cut_short(caliber: Caliber, at: int, own: Caliber, eased: float) -> Iterator[float]:
+    """Widths of a vessel on the other sides of in- and outlets up to which it widens by as much as
+    a lesion asks for."""
+    least = caliber.diameter[at] / (1 - SMALLEST_DEGREE + eased)
+    for way, is_cut in zip((-1, 1), caliber.is_cut, strict=True):
+        _, diameter, kept = _side(own, at, way)
+        is_own = (diameter >= (1 - EDGE_DEGREE) * diameter[0]).all() and kept[-1] > 0
+        if is_cut and is_own and diameter[-1] >= least:
+            yield _one_sided(own, at, -way)
+
+
 def _again(
     run: VesselRun, caliber: Caliber, at: int, eased: float, begins: float
 ) -> tuple[float, float]:
     """Diameter of a vessel wider again on both sides of a minimum, mm, and the least
     persistence."""
     sides = [_widest(caliber, at, way) for way in (-1, 1)]
-    own = caliber._replace(kept=np.where(caliber.along >= begins, caliber.kept, 0.0))
     narrow = float(caliber.diameter[at])
-    if narrow <= (1 - SMALLEST_DEGREE + eased) * _widest(own, at, -1):
+    if narrow <= (1 - SMALLEST_DEGREE + eased) * _widest(_from(caliber, begins), at, -1):
         return min(sides), SMALLEST_DEGREE
     if begins <= caliber.along[0]:
         return min(sides), SMALLEST_DEGREE
     # Nothing of its own is wider before: it may begin narrower, as healthy vessels do.
     lets = left_by(_widest(caliber, at, -1, ONE_SIDED_REACH), run.beside)
     return min(sides[0], _one_sided(caliber, at, 1, lets)), SMALLEST_ONWARD
+
+
+def _from(caliber: Caliber, begins: float) -> Caliber:
+    """The caliber with no width kept before an arc length, mm."""
+    return caliber._replace(kept=np.where(caliber.along >= begins, caliber.kept, 0.0))
 
 
 def _alone(run: VesselRun, narrow: float, eased: float) -> Reference | None:
