@@ -1,10 +1,9 @@
 """`python -m SDFStentLib` is the command `sdfstent`."""
 
-import gc
 import os
 import sys
 
-from .cli import INTERRUPTED, end_at_once, entry
+from .cli import INTERRUPTED, end_at_once
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """Variables by which libraries of linear algebra limit their threads. Products here are thin: more
@@ -16,14 +15,10 @@ def main() -> int:
     end_at_once()
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
-    # What modules hold stays: the collector would look at it again and again.
-    gc.disable()
-    command = entry()
-    gc.freeze()
-    gc.enable()
+    from .cli import main as command
     from .threads import are_busy
 
-    code = command(None)
+    code = command()
     if code == INTERRUPTED or are_busy():
         # An interruption that came while text was executed (as dataclasses do) is remembered by
         # Python, which would end by the signal although it was handled. Threads that are at work

@@ -3,7 +3,6 @@
 Signals are taken before the commands are imported.
 """
 
-from .command import entry as entry
 from .command import main as main
 from .signals import INTERRUPTED as INTERRUPTED
 from .signals import end_at_once as end_at_once

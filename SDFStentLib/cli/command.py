@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command as `shell.main` does; return its exit code."""
-    return entry()(argv)
+    """Run a command as `shell.main` does; return its exit code.
 
-
-def entry() -> Callable[[Sequence[str] | None], int]:
-    """`shell.main`, which imports nearly all of the library and NumPy: before that signals have to
-    be handled and the number of threads for linear algebra chosen."""
+    The commands import nearly all of the library and NumPy: before that signals have to be handled
+    and the number of threads for linear algebra chosen.
+    """
     from .shell import main as shell
 
-    return shell
+    return shell(argv)
