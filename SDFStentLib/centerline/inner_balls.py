@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Surface, dot, median_edge, norm, signed_volume, vertex_normals
-from ..validation import Flags, Floats, Indices, Points, Triangles
+from ..validation import Floats, Indices, Points, Triangles
 
 SHAKEN = 1e-3
 """Share of the median edge by which every point is moved: many points of a wall as regular as that
@@ -62,15 +62,19 @@ def inner_balls(surface: Surface) -> InnerBalls:
     found = Delaunay(points, qhull_options=QHULL)
     corners = found.simplices.astype(np.int64)
     centers, radii = _balls(points, corners)
-    is_inside = np.isfinite(radii)
-    for corner in corners.T:
-        is_inside &= dot(points.take(corner, axis=0) - centers, outward.take(corner, axis=0)) > 0
-    links = _links(corners, found.neighbors, is_inside, triangles)
-    number = np.cumsum(is_inside) - 1
+    inside = np.flatnonzero(np.isfinite(radii))
+    for corner in corners.T:  # half of those left are outside each time
+        own = corner[inside]
+        ways = points.take(own, axis=0) - centers.take(inside, axis=0)
+        inside = inside[dot(ways, outward.take(own, axis=0)) > 0]
+    corners, radii = corners[inside], radii[inside]
+    number = np.full(len(centers) + 1, -1)  # the last for -1, no neighbor
+    number[inside] = np.arange(len(inside))
     at_wall = np.zeros(len(points))
     for corner in corners.T:
-        np.maximum.at(at_wall, corner[is_inside], radii[is_inside])
-    return InnerBalls(centers[is_inside], radii[is_inside], number[links], at_wall)
+        np.maximum.at(at_wall, corner, radii)
+    links = _links(corners, number[found.neighbors[inside]], triangles)
+    return InnerBalls(centers[inside], radii, links, at_wall)
 
 
 def _balls(points: Points, corners: Indices) -> tuple[Points, Floats]:
@@ -85,16 +89,14 @@ def _balls(points: Points, corners: Indices) -> tuple[Points, Floats]:
         return first + offset, norm(offset)
 
 
-def _links(corners: Indices, neighbors: Indices, is_inside: Flags, triangles: Triangles) -> Indices:
-    """Pairs (k, 2) of tetrahedra inside that share a side which is none of the surface: across that
-    the way leads through the wall."""
+def _links(corners: Indices, neighbors: Indices, triangles: Triangles) -> Indices:
+    """Pairs (k, 2) of tetrahedra that share a side which is none of the surface: across that the
+    way leads through the wall. Each has its neighbors (n, 4), negative where there is none."""
     one, side = np.nonzero(neighbors > np.arange(len(corners))[:, None])
-    other = neighbors[one, side].astype(np.int64)
-    both = np.flatnonzero(is_inside[one] & is_inside[other])
-    one, side, other = one[both], side[both], other[both]
+    other = neighbors[one, side]
     others = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
     shared = np.sort(np.take_along_axis(corners[one], others[side], axis=1), axis=1)
-    count = int(corners.max()) + 1
+    count = int(max(corners.max(initial=0), triangles.max(initial=0))) + 1
     places = np.array([count * count, count, 1])
     is_wall = np.isin(shared @ places, np.sort(triangles, axis=1) @ places)
     return np.column_stack([one, other])[~is_wall]
