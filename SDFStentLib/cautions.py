@@ -13,10 +13,8 @@ from .units import in_file
 from .validation import InputError, Place, PlainNumbers
 
 _AT = "({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}"
-_BESIDE = (
-    "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
-    "({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, was taken."
-)
+_BESIDE = "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
+_BESIDE += f"{_AT}, was taken."
 
 TEMPLATES = {
     "ends-apart": "Ends of parts that hang free: {count}. No line leads there.",
@@ -90,6 +88,7 @@ TEMPLATES = {
     ),
     # Segments
     "label-bits": "{count} loose parts of the label, {volume_mm3:.3g} mm3, were left out.",
+    "thin-parts": f"{{volume_mm3:.3g}} mm3 beyond {_AT} were left out: widen the label there.",
     "thin-bridge": (
         f"The label is but two voxels wide at {_AT}, between wider parts: part vessels that touch."
     ),

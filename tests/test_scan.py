@@ -335,6 +335,21 @@ def test_branches_that_overlap_are_told_as_a_loop_and_where():
     assert found.sentence().endswith("part vessels that touch.")
 
 
+def test_vessels_beyond_a_place_too_thin_for_the_voxels_are_told():
+    """The surface parted there, and what lay beyond was gone in silence."""
+    radii = [(0, 1.5), (9, 1.5), (15, 0.35), (21, 1.5), (30, 1.5)]
+    pieces = [
+        ((one, 0, 20), (other, 0, 20), wide, narrow)
+        for (one, wide), (other, narrow) in pairwise(radii)
+    ]
+    mask, low = voxels([*FORK, *pieces], 0.5)
+    assert ndimage.label(mask, np.ones((3, 3, 3)))[1] == 1
+    made = prepared_vessel(labelmap(mask, 0.5, low))
+    (found,) = [one for one in made.warnings if one.kind == "thin-parts"]
+    assert found.place == pytest.approx((15, 0, 20), abs=1.0)
+    assert "were left out: widen the label there" in found.sentence()
+
+
 def test_segments_are_chosen_by_name_number_and_layer(tmp_path, fork):
     mask = fork[0]
     other = np.zeros_like(mask)

@@ -15,6 +15,7 @@ from ..geometry import (
     edges,
     faces_at,
     oriented_triangles,
+    search_tree,
     signed_volume,
     used_points,
 )
@@ -166,14 +167,27 @@ def _along(ways: Points, normals: Points) -> Points:
     return ways - dot(ways, normals)[:, None] * normals
 
 
-def largest_part(surface: Surface) -> Surface:
+class LargestPart(NamedTuple):
+    """The part of a surface that has the largest volume, and what was left out beside it."""
+
+    surface: Surface
+    left_out: Points | None = None
+    """(3,) place of other parts that is next to the largest one, mm; None without others."""
+    left_volume: float = 0.0
+    """Volume of other parts, mm^3."""
+
+
+def largest_part(surface: Surface) -> LargestPart:
     """The part of a surface that has the largest volume, and none within it."""
     links = edges(surface.triangles).vertices
     label = component_labels(len(surface.points), links[:, 0], links[:, 1])
     part = label[surface.triangles[:, 0]]
     if part.max(initial=0) == 0:
-        return surface
+        return LargestPart(surface)
     numbers = np.unique(part)
-    volumes = [abs(signed_volume(surface.points, surface.triangles[part == n])) for n in numbers]
-    kept = surface.triangles[part == numbers[int(np.argmax(volumes))]]
-    return Surface(*compacted(surface.points, kept))
+    volumes = np.abs([signed_volume(surface.points, surface.triangles[part == n]) for n in numbers])
+    most = int(np.argmax(volumes))
+    kept = Surface(*compacted(surface.points, surface.triangles[part == numbers[most]]))
+    others = surface.points[label != numbers[most]]
+    beside = others[search_tree(kept.points).query(others)[0].argmin()]
+    return LargestPart(kept, beside, float(volumes.sum() - volumes[most]))

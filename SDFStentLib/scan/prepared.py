@@ -13,7 +13,7 @@ from ..certificate import check_surface
 from ..geometry import NamedFaces, Surface
 from ..treatment import extract_centerline
 from ..validation import DeploymentError, Floats, Points, as_place
-from .contour import contoured, largest_part
+from .contour import LargestPart, contoured, largest_part
 from .cut_lines import lines_between
 from .ends import Border, RoundEnd, flat_ends, round_ends_of
 from .labelmap import AROUND, Labelmap, LabelPiece, largest_piece, thin_bridges
@@ -115,7 +115,8 @@ def prepared_vessel(
     piece = largest_piece(labelmap)
     part = piece.labelmap
     show(PIECE)
-    rough = _surface(piece)
+    wall_parts = _surface(piece)
+    rough = wall_parts.surface
     show(WALL)
     found = extract_centerline(rough, show=lambda done: show(WALL + done * (LINES - WALL)))
     show(LINES)
@@ -145,11 +146,15 @@ def prepared_vessel(
         ExtractedLines(part.in_patient(points), each, radii),
         tuple(flat),
         labelmap.spacing,
-        (*_of_label(piece, flat), *_moved(part, found.warnings), *_of_ends(part, dead)),
+        (
+            *_of_label(piece, flat),
+            *_moved(part, (*_of_parts(wall_parts), *found.warnings)),
+            *_of_ends(part, dead),
+        ),
     )
 
 
-def _surface(piece: LabelPiece) -> Surface:
+def _surface(piece: LabelPiece) -> LargestPart:
     """The wall of a label, its ends round, and beyond the image where that cuts it."""
     roomy = _with_room(piece)
     field = wall_distance(roomy)
@@ -158,8 +163,8 @@ def _surface(piece: LabelPiece) -> Surface:
             at = [slice(None)] * 3
             at[axis] = slice(side, None if side else 1)
             field[tuple(at)] = np.maximum(field[tuple(at)], roomy.voxel)
-    made = largest_part(contoured(field, roomy.spacing))
-    return made.with_points(made.points - AROUND * roomy.spacing)
+    made = contoured(field, roomy.spacing)
+    return largest_part(made.with_points(made.points - AROUND * roomy.spacing))
 
 
 def _with_room(piece: LabelPiece) -> Labelmap:
@@ -222,6 +227,13 @@ def _of_label(piece: LabelPiece, ends: Sequence[PreparedEnd]) -> list[Caution]:
     if names:
         found.append(Caution("image-ends", {"names": ", ".join(names)}))
     return found
+
+
+def _of_parts(wall: LargestPart) -> list[Caution]:
+    if wall.left_out is None:
+        return []
+    numbers = {"volume_mm3": wall.left_volume}
+    return [Caution("thin-parts", numbers, as_place(wall.left_out))]
 
 
 def _of_ends(part: Labelmap, dead: Sequence[RoundEnd]) -> list[Caution]:
