@@ -66,11 +66,13 @@ def wall_distance(labelmap: Labelmap, share: float = SHARE) -> Grid:
         for box, inner in _boxes(is_own, _reach(_TAIL * width, per_width)):
             own = _filtered(distance[box], width * per_width)[inner]
             found[box][inner] += np.clip(1 - np.abs(level[box][inner] - number), 0, 1) * own
-    return _as_seen(found, smooth, float(labelmap.spacing.max()))
+    step = float(labelmap.spacing.max())
+    found.ravel()[near] = _as_seen(found.ravel()[near], smooth.ravel()[near], step)
+    return found
 
 
-def _as_seen(found: Grid, seen: Grid, step: float) -> Grid:
-    """A filtered distance, and where it is off that by a filter as wide as a voxel, more of this.
+def _as_seen(found: Floats, seen: Floats, step: float) -> Floats:
+    """Filtered distances (n,), and more of those by a filter as wide as a voxel where they differ.
 
     A staircase is within half a step of its wall. What a wide filter moves farther is vessel: the
     crotch of a fork, a throat beside what is wider, the rim of a flat end, a vessel of two voxels.
