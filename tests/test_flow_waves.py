@@ -144,7 +144,7 @@ def texts():
     yield "an empty column", "time_s;flow_mL/s;\n" + "".join(f"{row};\n" for row in table.split())
 
 
-@pytest.mark.parametrize(("name", "text"), texts(), ids=[name for name, _ in texts()])
+@pytest.mark.parametrize(("name", "text"), [*texts()], ids=[name for name, _ in texts()])
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 def test_a_file_is_read_as_it_was_written(tmp_path, name, text, encoding):
     (tmp_path / "wave.csv").write_bytes(text.replace("flow", "Flu\xdf").encode(encoding))
