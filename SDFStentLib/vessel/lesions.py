@@ -64,9 +64,9 @@ def find_lesions(
     -------
     tuple of Lesion
         Each once. What is not wider again beyond by `narrowings.SMALLEST_DEGREE` on both sides, or
-        at an ostium by `narrowings.SMALLEST_ONE_SIDED` on one, is none, nor is what lies within a
-        radius of an in- or outlet. Where no healthy vessel is in reach, the degree is that against
-        the widest part.
+        at an ostium or before an end that cuts it off by `narrowings.SMALLEST_ONE_SIDED` on one, is
+        none, nor is what lies within a radius of an in- or outlet. Where no healthy vessel is in
+        reach, the degree is that against the widest part.
 
     Raises
     ------

@@ -2,9 +2,10 @@
 
 A narrowing is a minimum beyond which the vessel becomes wider again on both sides, on the one where
 it becomes wider least by `SMALLEST_DEGREE` (the persistence of a minimum in a merge tree); at the
-ostium of a side branch only what lies beyond tells, by `SMALLEST_ONE_SIDED`. It is measured between
-its shoulders, where the flank has stopped becoming less steep, interpolated from one to the
-other. A vessel goes on beyond junctions (`VesselWay`): shoulders may lie there.
+ostium of a side branch, and where an in- or outlet cuts it off as it begins to widen, the other
+side alone tells, by `SMALLEST_ONE_SIDED`. It is measured between its shoulders, where the flank has
+stopped becoming less steep, interpolated from one to the other. A vessel goes on beyond junctions
+(`VesselWay`): shoulders may lie there.
 """
 
 from __future__ import annotations
@@ -179,7 +180,7 @@ def _reference(
     above, beyond = (_one_sided(caliber, at, way) for way in (-1, 1))
     if not persists:
         # What an in- or outlet cuts off as it begins to widen counts as at an ostium.
-        other = max(_cut_short(caliber, at, _from(caliber, begins), eased), default=0.0)
+        other = max(_cut_short(_from(caliber, begins), at, eased), default=0.0)
         persists = narrow <= (1 - SMALLEST_ONE_SIDED + eased) * other
         widest = other if persists else widest
     if is_ostial:
@@ -212,15 +213,15 @@ def _reference(
     return Reference(before, after, widest)
 
 
-def _cut_short(caliber: Caliber, at: int, own: Caliber, eased: float) -> Iterator[float]:
+def _cut_short(caliber: Caliber, at: int, eased: float) -> Iterator[float]:
     """Widths of a vessel on the other sides of in- and outlets up to which it widens by as much as
     a lesion asks for."""
     least = caliber.diameter[at] / (1 - SMALLEST_DEGREE + eased)
     for way, is_cut in zip((-1, 1), caliber.is_cut, strict=True):
-        _, diameter, kept = _side(own, at, way)
+        _, diameter, kept = _side(caliber, at, way)
         is_own = (diameter >= (1 - EDGE_DEGREE) * diameter[0]).all() and kept[-1] > 0
         if is_cut and is_own and diameter[-1] >= least:
-            yield _one_sided(own, at, -way)
+            yield _one_sided(caliber, at, -way)
 
 
 def _again(
