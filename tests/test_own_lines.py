@@ -22,6 +22,7 @@ from SDFStentLib.centerline import InnerBalls, WidestWays, inner_balls
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line, Surface, SurfaceIndex, distances_to_segments, norm
+from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.treatment import Vessel
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import find_lesions, vessel_ends
@@ -115,6 +116,22 @@ def test_a_throat_that_goes_on_in_one_branch_is_told_once_whichever_line_leads_t
     (lesion,) = find_lesions(made.surface, extract_centerline(made.surface).centerline)
     assert lesion.percent_diameter == pytest.approx(40, abs=3)
     assert np.linalg.norm(np.subtract(lesion.point, made.throat.point)) < 1.0
+
+
+def test_no_sphere_is_looked_for_within_the_lumen_that_a_branch_leaves(monkeypatch):
+    asked = []
+
+    def search(points, triangles, centers, directions):
+        asked.append(centers)
+        return inscribed_spheres(points, triangles, centers, directions)
+
+    monkeypatch.setattr("SDFStentLib.treatment.own_lines.inscribed_spheres", search)
+    branch = chain([(0, 0, 15), (16, 0, 15)], 1.5)
+    extract_centerline(contoured(chain([(0, 0, 0), (0, 0, 36)], 4) + branch, 0.5))
+    (places,) = asked
+    away = places[norm(places[:, :2]) > 0.5]
+    assert norm(away[:, :2]).min() > 0.8 * 4.0
+    assert len(away) > 20
 
 
 def test_the_balls_are_those_of_a_plain_search():

@@ -247,15 +247,16 @@ class _Drawing:
 
     def onto_spheres(self, points: Points, triangles: Indices) -> None:
         """Move the stations to the centers of the largest spheres in their planes."""
-        directions = self._directions()
-        found = inscribed_spheres(points, triangles, self.points, directions)
-        aside = norm(found.centers - self.points)
         is_end = self._at_ends()
-        is_own = (aside < ASIDE * found.radii) & ~self._within_junctions() & ~is_end
-        is_own &= found.radii < 2 * self.radii
-        self.points[is_own] = found.centers[is_own]
+        # Where a way is still in the lumen of the one that it has left, spheres are that lumen's.
+        asked = np.flatnonzero(is_end | ~self._within_junctions())
+        is_end, stations, radii = is_end[asked], self.points[asked], self.radii[asked]
+        found = inscribed_spheres(points, triangles, stations, self._directions()[asked])
+        is_own = (norm(found.centers - stations) < ASIDE * found.radii) & ~is_end
+        is_own &= found.radii < 2 * radii
+        self.points[asked[is_own]] = found.centers[is_own]
         known = is_own | (is_end & np.isfinite(found.radii))
-        self.radii[known] = found.radii[known]
+        self.radii[asked[known]] = found.radii[known]
         self._smooth(AGAIN)
 
     def _smooth(self, times: int) -> None:
