@@ -3,6 +3,7 @@
 import gzip
 import json
 import struct
+import tracemalloc
 from itertools import pairwise
 
 import numpy as np
@@ -309,6 +310,20 @@ def test_bits_that_hang_free_are_left_out_and_hollows_filled(fork):
     assert (found.left_out, found.left_volume, found.filled) == (1, 8, 1)
     said = " ".join(one.sentence() for one in prepared_vessel(labelmap(mask)).warnings)
     assert "1 loose parts of the label, 8 mm3, were left out." in said
+
+
+def test_the_image_beside_a_label_takes_next_to_no_memory():
+    mask = np.zeros((200, 200, 200), dtype=bool)
+    mask[150:170, 20:30, 90:100] = True
+    tracemalloc.start()
+    found = largest_piece(labelmap(mask, origin=(-20, 0, 5)))
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < mask.size / 10
+    assert found.labelmap.mask.all()
+    assert found.labelmap.mask.shape == (20, 10, 10)
+    assert found.labelmap.origin.tolist() == [130, 20, 95]
+    assert found.is_cut == ((False, False),) * 3
 
 
 def test_vessels_that_touch_are_told_and_where():

@@ -94,23 +94,22 @@ def largest_piece(labelmap: Labelmap) -> LabelPiece:
     """The largest part of a label, its hollows filled; voxels that touch at a corner are one."""
     from scipy.ndimage import binary_fill_holes, label
 
-    labels, count = label(labelmap.mask, structure=np.ones((3, 3, 3), dtype=bool))
+    around = _box(labelmap.mask)  # most of an image is beside its vessel
+    labels, count = label(labelmap.mask[around], structure=np.ones((3, 3, 3), dtype=bool))
     counts = np.bincount(labels.ravel())[1:]
     mask = labels == 1 + int(counts.argmax())
-    box = _box(mask)
-    filled = np.asarray(binary_fill_holes(mask[box]))
+    own = _box(mask)
+    filled = np.asarray(binary_fill_holes(mask[own]))
     each = float(np.prod(labelmap.spacing))
-    first = np.array([side.start for side in box])
+    first = np.array([outer.start + side.start for outer, side in zip(around, own, strict=True)])
     origin = labelmap.in_patient((first * labelmap.spacing)[None])[0]
+    sides = zip(first.tolist(), filled.shape, labelmap.mask.shape, strict=True)
     return LabelPiece(
         Labelmap(filled, labelmap.spacing, origin, labelmap.directions),
         count - 1,
         float(counts.sum() - counts.max()) * each,
         float(np.count_nonzero(filled) - counts.max()) * each,
-        tuple(
-            (side.start == 0, side.stop == length)
-            for side, length in zip(box, mask.shape, strict=True)
-        ),
+        tuple((start == 0, start + length == whole) for start, length, whole in sides),
     )
 
 
@@ -135,7 +134,6 @@ def thin_bridges(labelmap: Labelmap) -> Points:
 
 
 def _box(mask: Flags) -> tuple[slice, ...]:
-    from scipy.ndimage import find_objects
-
-    (box,) = find_objects(mask.astype(np.uint8))
-    return tuple(box)
+    """The box round all voxels of a mask, of which there is at least one."""
+    has = (np.flatnonzero(mask.any(axis=tuple({0, 1, 2} - {axis}))) for axis in range(3))
+    return tuple(slice(int(side[0]), int(side[-1]) + 1) for side in has)

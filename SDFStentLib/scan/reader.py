@@ -66,8 +66,8 @@ class ScanFile(NamedTuple):
         """Labels that have voxels, in order."""
         return [
             LabelEntry(int(value), _name_of(self.known, int(value), layer), layer)
-            for layer, voxels in enumerate(self.layers)
-            for value in np.unique(voxels[voxels > 0])
+            for layer, row in enumerate(voxels.ravel("K") for voxels in self.layers)
+            for value in np.unique(row[row > 0])
         ]
 
     def named(self, label: str | int | None) -> LabelEntry:
