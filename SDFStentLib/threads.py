@@ -7,14 +7,19 @@ what is done ahead is done by the code that would do it later, alone.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from contextvars import copy_context
+from functools import cache, partial
 from queue import SimpleQueue
 from threading import Event, Lock, Thread
+from typing import TypeVar
 from weakref import ref
 
 from .validation import InputError
+
+Item = TypeVar("Item")
+Given = TypeVar("Given")
 
 _WAIT = 0.2
 """Longest wait at a time, s: on Windows Ctrl-C is only seen between waits."""
@@ -57,6 +62,21 @@ def ahead(work: Callable[[], object]) -> Callable[[], None]:
     task = _Task(work)
     _pool.give(task)
     return task.settle
+
+
+def side_by_side(work: Callable[[Item], Given], items: Iterable[Item]) -> list[Given]:
+    """What work gives for each of some items, done in as many threads at once as are free.
+
+    The last item that fails shows its failure, whatever the number of threads.
+    """
+    kept = [cache(partial(work, item)) for item in items]
+    settled = [ahead(one) for one in kept]
+    found = []
+    # Threads begin with the first one; what none has begun is done here.
+    for settle, one in zip(reversed(settled), reversed(kept), strict=True):
+        settle()
+        found.append(one())
+    return found[::-1]
 
 
 class _Task:

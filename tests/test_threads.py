@@ -10,11 +10,17 @@ import time
 import numpy as np
 import pytest
 from child_processes import PATIENCE, begun, python
+from round_tubes import contoured
+from scipy.spatial import Delaunay
+from segmentations import FORK, voxels
 from tube_files import PLACE, write_tube
 
+from benchmarks.phantoms import hairpin_tube
+from SDFStentLib.centerline import inner_balls
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_surface
-from SDFStentLib.threads import ahead, cores, threads, use_threads
+from SDFStentLib.scan import Labelmap, prepared_vessel
+from SDFStentLib.threads import ahead, cores, side_by_side, threads, use_threads
 from SDFStentLib.validation import InputError
 
 
@@ -110,6 +116,82 @@ def test_what_no_thread_has_begun_is_not_waited_for(two_threads):
     assert found == []
 
 
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_what_is_done_side_by_side_comes_in_order(count):
+    use_threads(count)
+    try:
+        assert side_by_side(lambda number: number**2, range(100)) == [n**2 for n in range(100)]
+        assert side_by_side(str, []) == []
+    finally:
+        use_threads(1)
+
+
+def test_two_things_side_by_side_are_done_at_once(two_threads):
+    meeting = threading.Barrier(2, timeout=PATIENCE)
+    assert sorted(side_by_side(lambda _: meeting.wait(), range(2))) == [0, 1]
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_of_what_fails_side_by_side_the_same_is_said(count):
+    def work(number):
+        if number in (3, 5):
+            raise InputError(f"expected something else, got {number}.")
+
+    use_threads(count)
+    try:
+        with pytest.raises(InputError, match=r"got 5\."):
+            side_by_side(work, range(8))
+    finally:
+        use_threads(1)
+
+
+def balls(surface, count):
+    use_threads(count)
+    try:
+        return inner_balls(surface)
+    finally:
+        use_threads(1)
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [
+        hairpin_tube(edge_length=0.3).surface,
+        contoured([((0, 0, 0), (0, 0, 1), 8.0, 8.0)], 0.35),  # a ball: too wide for halves
+    ],
+    ids=["tube", "ball"],
+)
+def test_balls_are_the_same_with_any_number(surface):
+    assert len(surface.points) > MANY
+    one, two = balls(surface, 1), balls(surface, 2)
+    assert all(np.array_equal(*columns) for columns in zip(one, two, strict=True))
+
+
+def test_halves_of_a_tube_are_looked_at_alone(two_threads, monkeypatch):
+    counts = []
+
+    def counted(points, **options):
+        counts.append(len(points))
+        return Delaunay(points, **options)
+
+    monkeypatch.setattr("scipy.spatial.Delaunay", counted)
+    surface = hairpin_tube(edge_length=0.3).surface
+    inner_balls(surface)
+    assert len(counts) == 2
+    assert max(counts) < 0.7 * len(surface.points)
+
+
+def test_a_vessel_from_voxels_is_the_same_with_any_number(two_threads):
+    mask, low = voxels(FORK, 0.9)
+    labelmap = Labelmap(mask, np.full(3, 0.9), low, np.eye(3))
+    two = prepared_vessel(labelmap)
+    use_threads(1)
+    one = prepared_vessel(labelmap)
+    assert np.array_equal(one.surface.points, two.surface.points)
+    assert np.array_equal(one.surface.triangles, two.surface.triangles)
+    assert np.array_equal(one.lines.points, two.lines.points)
+
+
 def test_one_thread_does_nothing_ahead():
     found = []
     assert threads() == 1
@@ -126,9 +208,11 @@ def test_the_number_is_that_of_the_cores_unless_told():
 
 
 def test_no_threads_are_refused(capsys):
-    assert main(["demo", "--threads", "0"]) == 2
-    assert "threads: expected a whole number from 1, got 0" in capsys.readouterr().err
-    assert threads() == 1
+    made = ["-o", "made"]
+    for words in (["demo"], ["centerline", "tube.vtp", *made], ["prepare", "tube.nii", *made]):
+        assert main([*words, "--threads", "0"]) == 2
+        assert "threads: expected a whole number from 1, got 0" in capsys.readouterr().err
+        assert threads() == 1
 
 
 LONG = """
@@ -191,6 +275,9 @@ def test_a_failure_waits_for_no_thread(tmp_path):
     assert (process.returncode, out) == (2, "begun\n")
     assert said == "sdfstent deploy: deployment: expected something else.\n"
 
+
+MANY = 10_000
+"""Number of points from which on balls are looked for by halves."""
 
 SECONDS = 60
 """Of a busy machine; a quiet one takes less than one."""

@@ -207,7 +207,7 @@ def add_prepare(command: argparse.ArgumentParser) -> None:
         f"""\
 --label NAME  which label, by its number or its name (default: the only one)
 --inlet X Y Z  the end near this point is the inlet (default: the widest)
-{TALK}""",
+{WORK}""",
     )
 
 

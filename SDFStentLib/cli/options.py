@@ -229,7 +229,7 @@ def _centerline(command: argparse.ArgumentParser) -> None:
         f"""\
 --inlet X Y Z  the end near this point is proximal (default: the largest)
 --outlet X Y Z ...  a line ends near this point; once or more (default: at every end)
-{UNITS}{TALK}""",
+{UNITS}{WORK}""",
     )
     command.add_argument(
         "--method",
