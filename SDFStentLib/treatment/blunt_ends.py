@@ -25,6 +25,7 @@ from ..geometry import (
     vertex_normals,
 )
 from ..lumen import ACROSS, ALIKE, CENTERED, OWN_WIDTH, WITHIN, Spot, are_ends, spot
+from ..threads import threads
 from ..validation import Floats, Indices, Points
 
 FLAT = 0.57
@@ -145,7 +146,8 @@ class _FacesAndBalls:
         one, other = across(normals).swapaxes(0, 1)
         turn = np.pi * side / _LINES
         way = across_by * (np.cos(turn) * one + np.sin(turn) * other) - below_by * normals
-        away, face = self._near.query(self.points[points] + self.radii[points, None] * way)
+        places = self.points[points] + self.radii[points, None] * way
+        away, face = self._near.query(places, workers=threads())
         return away, face
 
     def _spot(self, point: int) -> Spot:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...geometry import Line, Surface, across, norm
+from ...threads import side_by_side
 from ...validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
 from ..tolerances import PAIRS, ROUNDS
 from .climb import (
@@ -27,6 +28,9 @@ from .local_surface import LocalSurface
 from .neighbors import are_stuck, rooms
 
 USUAL = Until()
+
+MANY = 2000
+"""Number of stations from which on two threads look for spheres: so many take half a second."""
 
 
 def inscribed_spheres(
@@ -76,8 +80,10 @@ def inscribed_spheres(
             f"centers: expected at least 2 points or a tangent for each, got {len(centers)}."
         )
     directions = Line(centers).directions if tangents is None else _unit(tangents, centers)
-    wall = LocalSurface(points, triangles, centers)
-    return StationSearch(wall, centers, directions, until).exact()
+    search = StationSearch(LocalSurface(points, triangles, centers), centers, directions, until)
+    if len(centers) >= MANY:
+        search.climb_by_halves(points, triangles)
+    return search.exact()
 
 
 class StationSearch:
@@ -127,19 +133,41 @@ class StationSearch:
 
     def exact(self, which: Indices | slice = slice(None)) -> InscribedSpheres:
         """Spheres of some stations, or of all, in the order in which they come."""
+        asked = np.arange(len(self._stations))[which]
+        if not self._is_exact[asked].all():
+            self._climb(asked)
+        stations, directions = self._stations[asked], self._directions[asked]
+        found = self._climbed.at(asked)
+        _free_stuck(self.surface, found, stations, directions, self._until.at(asked))
+        return found
+
+    def climb_by_halves(self, points: Points, triangles: Triangles) -> None:
+        """Climb at all stations ahead, in two threads: a surface that grows is for one alone."""
+        half = len(self._stations) // 2
+        sides = slice(half), slice(half, None)
+        found = side_by_side(lambda side: self._climbed_at(side, points, triangles), sides)
+        for side, spheres in zip(sides, found, strict=True):
+            self._climbed.centers[side], self._climbed.radii[side] = spheres
+        self._is_exact[:] = True
+
+    def _climbed_at(self, side: slice, points: Points, triangles: Triangles) -> InscribedSpheres:
+        stations, until = self._stations[side], self._until.at(side)
+        wall = LocalSurface(points, triangles, stations)
+        part = StationSearch(wall, stations, self._directions[side], until)
+        part._around = self._around[side]  # as of all: it decides how roughly they begin
+        part._climb(np.arange(len(stations)))
+        return part._climbed
+
+    def _climb(self, which: Indices) -> None:
+        """Climb on the wall itself at those of some stations that need it."""
         rough, stations, axes = self.rough, self._stations, across(self._directions)
-        asked = np.arange(len(stations))[which]
-        begun = np.unique(asked[~self._is_exact[asked]])
-        for part in _parts(stations[begun], self._around[begun]):
-            own = begun[part]
+        left = np.unique(which[~self._is_exact[which]])
+        for part in _parts(stations[left], self._around[left]):
+            own = left[part]
             begin = rough.at(own), self._until.at(own)
             spheres = exact_spheres(self.surface, stations[own], axes[own], *begin)
             self._climbed.centers[own], self._climbed.radii[own] = spheres
             self._is_exact[own] = True
-        found = self._climbed.at(asked)
-        until = self._until.at(asked)
-        _free_stuck(self.surface, found, stations[asked], self._directions[asked], until)
-        return found
 
 
 class SphereSearch:
