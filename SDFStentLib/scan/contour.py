@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..geometry import (
     signed_volume,
     used_points,
 )
+from ..threads import side_by_side
 from ..validation import Floats, Indices, Points, Triangles
 from .labelmap import Grid
 
@@ -60,7 +62,7 @@ class _Field(NamedTuple):
 
     def directions(self, points: Points) -> Points:
         """Slopes (n, 3) of the field."""
-        return np.stack([self.at(slope, points) for slope in self.slopes], axis=1)
+        return np.stack(side_by_side(partial(self.at, points=points), self.slopes), axis=1)
 
 
 def contoured(field: Grid, spacing: Floats) -> Surface:
@@ -80,12 +82,9 @@ def contoured(field: Grid, spacing: Floats) -> Surface:
 
     voxel = float(spacing.min())
     sound, triangles = _flying_edges(_off_zero(field, OFF * voxel), spacing)
-    slopes = np.gradient(field, *spacing)
-    smooth = _Field(
-        spline_filter(field, order=2, output=np.float32),
-        tuple(spline_filter(slope, order=2, output=np.float32) for slope in slopes),
-        spacing,
-    )
+    splines = partial(spline_filter, order=2, output=np.float32)
+    values, *slopes = side_by_side(splines, (field, *np.gradient(field, *spacing)))
+    smooth = _Field(values, tuple(slopes), spacing)
     points, normals = _onto(sound, smooth, voxel)
     links = edges(triangles).vertices
     for _ in range(ROUNDS):

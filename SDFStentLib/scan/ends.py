@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..segment import (
     closed_segment,
     with_inlets,
 )
+from ..threads import side_by_side
 from ..validation import Floats, Indices, InputError, Points
 from ..vessel import VesselParts, vessel_parts
 
@@ -110,7 +112,7 @@ def flat_ends(
     """
     parts = vessel_parts(surface, tree)
     finder = PlaneFinder(parts)
-    found = [_plane(finder, end) for end in ends]
+    found = side_by_side(partial(_plane, finder), ends)
     planes = [None if one is None else one.plane for one in found]
     cut, opened = _bounding(parts, ends, planes)
     if opened is None or len(cut) < 2:

@@ -9,11 +9,13 @@ vessel allows: what is a staircase in an aorta is a vessel elsewhere.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from math import prod
 
 import numpy as np
 
 from ..geometry import norm, search_tree
+from ..threads import side_by_side
 from ..validation import Flags, Floats, Indices
 from .labelmap import Grid, Labelmap
 
@@ -53,19 +55,27 @@ def wall_distance(labelmap: Labelmap, share: float = SHARE) -> Grid:
     smooth = distance.copy()
     # Depth counts where the vessel is; voxels beside it may be noise on its border.
     is_beside = distance < 2 * labelmap.spacing.max()
-    for box, inner in _boxes(is_beside, _reach(_TAIL, per_width)):
+
+    def smoothen(boxes: tuple[Box, Box]) -> None:
+        box, inner = boxes
         own = _filtered(distance[box], per_width)[inner]
         np.copyto(smooth[box][inner], own, where=is_beside[box][inner])
+
+    side_by_side(smoothen, _boxes(is_beside, _reach(_TAIL, per_width)))
     wanted = share * _local_radius(-smooth, labelmap, is_near)[is_near]
     level = np.full(distance.shape, np.inf, dtype=np.float32)
     level[is_near] = np.interp(np.log(wanted), np.log(WIDTHS), np.arange(len(WIDTHS)))
     near, levels = np.flatnonzero(is_near), level[is_near]
     found = np.where(is_near, 0, distance)
+
+    def add(number: int, boxes: tuple[Box, Box]) -> None:
+        box, inner = boxes
+        own = _filtered(distance[box], WIDTHS[number] * per_width)[inner]
+        found[box][inner] += np.clip(1 - np.abs(level[box][inner] - number), 0, 1) * own
+
     for number, width in enumerate(WIDTHS):
         is_own = _marked(distance.shape, near.compress(np.abs(levels - number) < 1))
-        for box, inner in _boxes(is_own, _reach(_TAIL * width, per_width)):
-            own = _filtered(distance[box], width * per_width)[inner]
-            found[box][inner] += np.clip(1 - np.abs(level[box][inner] - number), 0, 1) * own
+        side_by_side(partial(add, number), _boxes(is_own, _reach(_TAIL * width, per_width)))
     step = float(labelmap.spacing.max())
     found.ravel()[near] = _as_seen(found.ravel()[near], smooth.ravel()[near], step)
     return found
@@ -92,11 +102,14 @@ def _border_distance(labelmap: Labelmap) -> Grid:
     )
     distance = np.empty(mask.shape, dtype=np.float32)
     own = np.indices((1, *mask.shape[1:]))
-    for number, layer in enumerate(distance):  # that stays in the processor's cache
+
+    def measure(number: int) -> None:  # a layer, that stays in the processor's cache
         offset = nearest[:, number] - own[:, 0]
         offset[0] -= number
         squares = [(one * side) ** 2 for one, side in zip(offset, spacing, strict=True)]
-        layer[:] = np.sqrt(sum(squares))
+        distance[number] = np.sqrt(sum(squares))
+
+    side_by_side(measure, range(len(distance)))
     # Few voxels are inside: a search among those beside them takes less than another transform.
     inside, beside = np.argwhere(mask), np.argwhere(binary_dilation(mask) & ~mask)
     if not len(beside):  # a label that fills its image; SciPy's transform takes that place
