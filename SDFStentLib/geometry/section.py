@@ -88,7 +88,7 @@ def crossings(points: Points, triangles: Triangles, origin: Points, normal: Poin
     is_above = heights >= 0
 
     # Column by column: reductions over rows of three are slow.
-    first, second, third = (is_above.take(corner) for corner in triangles.T)
+    first, second, third = is_above.take(triangles).T
     cut = np.flatnonzero((first != second) | (second != third))
     start, end = triangles[cut], triangles[cut][:, [1, 2, 0]]
     # Each cut triangle has one side that goes down through the plane and one that goes up.

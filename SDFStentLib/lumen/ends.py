@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, SurfaceIndex, across, closest_on_segments, norm
+from ..geometry import Surface, SurfaceIndex, across, closest_on_segments, in_blocks, norm
 from ..validation import Flags, Floats, Indices, Points
 from .spheres import index_within
 from .tolerances import ASKEW, OWN_WIDTH, ROUNDING
@@ -98,18 +98,21 @@ def _met(
     """
     triangle = index.near(start[None], np.array([reach])).triangle
     corners = index.corners[triangle[~np.isin(numbers.take(triangle), own)]]
-    first = corners[:, 0]
-    u, v = corners[:, 1] - first, corners[:, 2] - first
-    from_first = start - first
-    normal = np.cross(u, v)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scale = -1.0 / (ways @ normal.T)
-        s = (ways @ np.cross(v, from_first).T) * scale
-        t = (ways @ np.cross(from_first, u).T) * scale
-        length = (from_first * normal).sum(axis=1) * scale
-        is_met = (s >= -ROUNDING) & (t >= -ROUNDING) & (s + t <= 1 + ROUNDING)
-        is_met &= (length > 0) & (length <= reach)
-    return np.asarray(is_met.any(axis=1))
+
+    def meet(block: Floats) -> Flags:
+        first = block[:, 0]
+        u, v = block[:, 1] - first, block[:, 2] - first
+        from_first = start - first
+        normal = np.cross(u, v)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scale = -1.0 / (ways @ normal.T)
+            s = (ways @ np.cross(v, from_first).T) * scale
+            t = (ways @ np.cross(from_first, u).T) * scale
+            length = (from_first * normal).sum(axis=1) * scale
+            is_met = (s >= -ROUNDING) & (t >= -ROUNDING) & (s + t <= 1 + ROUNDING)
+            return is_met & (length > 0) & (length <= reach)
+
+    return np.asarray(in_blocks(meet, corners).any(axis=1))
 
 
 def _round(inward: Floats) -> Points:

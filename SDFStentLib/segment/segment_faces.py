@@ -139,9 +139,10 @@ def _is_at(cap: SegmentFace, tip: Floats) -> bool:
 
 
 def _plain(surface: Surface, ids: Indices, number: int) -> SegmentFace:
-    own = surface.triangles[ids == number]
+    numbers = np.flatnonzero(ids == number)
+    own = surface.triangles[numbers]
     areas = face_areas(surface.points, own)
     total = float(areas.sum())
     center = (areas[:, None] * surface.points[own].mean(axis=1)).sum(axis=0) / total
-    normal = (areas[:, None] * surface.face_normals[ids == number]).sum(axis=0) / total
+    normal = (areas[:, None] * surface.face_normals[numbers]).sum(axis=0) / total
     return SegmentFace(number, "", "wall", total, read_only(center), read_only(normal))
