@@ -776,3 +776,24 @@ def test_a_centerline_that_leaves_the_vessel_before_its_end_is_refused():
     )
     with pytest.raises(InputError, match="goes on outside of the surface"):
         FlowModel([lost], known_flow(40.0))
+
+
+def test_a_line_that_ends_in_the_vessel_is_not_told_to_leave_it_however_narrow_that_is():
+    """Stations are 1 mm apart: in a twig of a voxel none is within two diameters of its end."""
+    tube = straight_tube(edge_length=1.2)
+    points = tube.surface.points * (0.4 / 6.0, 0.4 / 6.0, 1.0)
+    (channel,) = channels_of(tube.surface.with_points(points), tube.centerline)
+    (widths,) = widths_of([channel])
+    assert widths.narrow == pytest.approx(0.4, rel=0.021)  # the chords lie inside of the circle
+
+
+@pytest.mark.parametrize("beyond", [(0.0, 0.0), (3.0, 0.0)])
+def test_a_line_that_goes_on_behind_a_cap_is_refused(beyond):
+    """At a station exactly on the cap a sphere has no width: 10^16 others were to lie near."""
+    tube = straight_tube(edge_length=1.2)
+    end = tube.centerline.points[-1]
+    outside = end + np.array([(*beyond, 1.0)]) * np.arange(1, 11)[:, None]
+    line = np.vstack([tube.centerline.points, outside])
+    channels = channels_of(tube.surface, Centerline.from_lines(line, [np.arange(len(line))]))
+    with pytest.raises(InputError, match="goes on outside of the surface"):
+        widths_of(channels)

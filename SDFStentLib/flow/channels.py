@@ -10,7 +10,7 @@ import numpy as np
 
 from ..centerline import Centerline, LumenStretch, joined_lumens
 from ..geometry import Line, Surface, norm
-from ..lumen import equivalent_diameters, inscribed_spheres, wall_of
+from ..lumen import FINEST, equivalent_diameters, inscribed_spheres, wall_of
 from ..validation import Floats, Indices, InputError, Points, as_place, place_words
 from ..vessel import BESIDE_TIP, VesselEnd, branch_lumens, vessel_ends
 from .limbs import joined_limbs
@@ -28,7 +28,8 @@ FINE, COARSE = 0.1, 0.4
 throat of a short narrowing costs what it costs with twice as many to a percent."""
 
 LOST = 2.0
-"""Diameters before an outlet in which nothing is known: next to a cap it is one."""
+"""Diameters before an outlet in which nothing is known: next to a cap it is one, and more in a
+vessel that is narrower than its stations are apart."""
 
 CLEAR = 1.2
 """Radii from an outlet from which on a sphere does not touch its cap, though that may lean."""
@@ -220,7 +221,8 @@ def _known(channel: Channel, before: Sequence[Floats], is_outlet: bool) -> Float
         clear = known & (norm(channel.points - channel.points[-1]) >= CLEAR / 2 * diameter)
         known = clear if clear.any() else known
     away = channel.along[-1] - channel.along[known].max(initial=-np.inf)
-    is_lost = is_outlet and not away <= LOST * diameter[known][-1:].sum()
+    is_outside = is_outlet and np.isnan(channel.section[-1])
+    is_lost = is_outside and not away <= LOST * diameter[known][-1:].sum()
     if known.any() and not is_lost:
         return np.interp(channel.along, channel.along[known], diameter[known])
     if is_outlet:
@@ -245,7 +247,7 @@ def _oblong(channel: Channel, inner: Floats, near: Sequence[tuple[Channel, Float
 
 def _refined(lumen: LumenStretch) -> Channel:
     """A channel with more stations where it is narrow, so that no throat lies between two."""
-    size = np.fmin(lumen.diameter[1:], lumen.diameter[:-1])
+    size = np.fmax(np.fmin(lumen.diameter[1:], lumen.diameter[:-1]), FINEST)
     known = np.isfinite(lumen.diameter[1:]) & np.isfinite(lumen.diameter[:-1])
     is_throat = np.zeros(len(lumen.diameter), dtype=bool)
     is_throat[1:-1] = (lumen.diameter[1:-1] <= lumen.diameter[:-2]) & (
