@@ -79,6 +79,7 @@ TEMPLATES = {
         "give a centerline from the inlet to all ends."
     ),
     "begins-at-wall": f"A line ends at the wall, at {_AT}; {{length_mm:.1f}} mm were moved inward.",
+    "begin-at-wall": f"{{count}} lines end at the wall, one at {_AT}; all were moved inward.",
     "loop": f"Lines that part meet again, a loop, at {_AT}: read as a tree that ends there.",
     "line-leaves-lumen": f"A line leaves the lumen for {{length_mm:.1f}} mm, at {_AT}; mend it.",
     "jagged-line": (

@@ -137,6 +137,25 @@ def test_a_line_that_ends_at_the_wall_invents_no_lesion(seed):
     assert_only_the_true_lesion(known.surface, tree)
 
 
+def test_several_lines_that_end_at_the_wall_are_told_in_one_sentence():
+    """A sentence for each hid in the panel what comes after them."""
+    known, begins = a_tree(), []
+    lines = list(known.lines)
+    for number, reach in enumerate((1.5, 2.5, 2.0)):
+        way = lines[number][::-1]
+        lines[number] = from_wall(way, reach * known.outlet_radius, 2.0, 0.95, known.outlet_radius)[
+            ::-1
+        ]
+        begins.append(lines[number][-1])
+    tree, (told,) = read(known.surface, lines)
+    place = [told.numbers[axis] for axis in "xyz"]
+    np.testing.assert_allclose(place, begins[1])  # that one was moved farthest
+    words = told.sentence()
+    assert words.startswith("3 lines end at the wall, one at (")
+    assert words.endswith(") mm; all were moved inward.")
+    assert_in_the_middle(tree, known.lines)
+
+
 def test_the_ends_of_a_vessel_are_as_wide_as_they_were_made():
     known = a_tree()
     ends = LineEnds(known.surface)

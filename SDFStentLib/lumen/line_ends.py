@@ -174,7 +174,15 @@ def with_ends_in_middle(
         moved.append(Caution("begins-at-wall", numbers))
     if not moved:
         return tree, ()
-    return Centerline(points, radius, tree.parent, tree.loops), tuple(moved)
+    return Centerline(points, radius, tree.parent, tree.loops), (_told(moved),)
+
+
+def _told(moved: Sequence[Caution]) -> Caution:
+    """One caution on all ends that were moved, with the place of the one moved farthest."""
+    farthest = max(moved, key=lambda one: one.numbers["length_mm"])
+    if len(moved) == 1:
+        return farthest
+    return Caution("begin-at-wall", {"count": len(moved), **farthest.numbers})
 
 
 def loop_cautions(tree: Centerline) -> tuple[Caution, ...]:
