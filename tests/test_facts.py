@@ -76,6 +76,19 @@ def test_a_range_of_one_number_is_none(within, beneath):
     assert fact.tiled.beneath == beneath
 
 
+@pytest.mark.parametrize(
+    ("within", "beneath"),
+    [
+        ((-1.2, 4.8), "(none-5 %) before 62 %"),
+        ((7.6, 17.4), "(8-17 %) before 62 %"),
+        ((-3.0, 0.4), "before 62 %"),
+    ],
+)
+def test_a_range_of_a_stenosis_says_none_where_there_is_none(within, beneath):
+    words = {"tile": "Stenosis left", "few": "none", "beneath": "before 62 %"}
+    assert Fact(after=0.0, unit="%", level=GLANCE, within=within, **words).tiled.beneath == beneath
+
+
 def test_what_came_of_all_stents_is_listed_once(result, monkeypatch):
     """For the lines of the shell, the tiles and the lines beside a stent."""
     before = told_everywhere(result)

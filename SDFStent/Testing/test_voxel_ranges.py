@@ -47,6 +47,9 @@ def test_lumen_and_stenosis_are_told_with_the_range(host, aTreatedTube):
     low, high = (f"{one:.1f}" for one in lumen.after)
     assert low == high  # of the same stent, which is no range
     assert tilesBy(panel)["Narrowest lumen"].beneath.startswith("before ")
+    low, high = stenosis.after
+    assert low <= run.lesions[0].after.percent_diameter <= high
+    assert tilesBy(panel)["Stenosis left"].beneath.startswith(f"({low:.0f}-{high:.0f} %) before ")
     assert f"half a voxel ({HALF:.2f} mm) in or out, narrowest lumen: stent 1 " in (
         panel._parameterNode.lumenSummary
     )

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .words import UNKNOWN, millimeters, number_text
+from .words import UNKNOWN, degree_word, millimeters, number_text
 
 GLANCE, COMPARED, LINES, DETAILS = LEVELS = range(4)
 """Levels by where a fact first appears: at a glance, on tiles and beside the stent; in the
@@ -104,14 +104,17 @@ class Fact(NamedTuple):
         was = "".join(f"before {one}{unit}" for one in self._rounded[:-1])
         beneath = f"{was}{self.note}".removeprefix(", ") if self.beneath is None else self.beneath
         if self.within is not None and np.isfinite(self.within).all():
-            low, high = (number_text(one, self._digits) for one in self.within)
-            beneath = beneath if low == high else f"({low}-{high}) {beneath}"
+            low, high = map(self._in_range, self.within)
+            beneath = beneath if low == high else f"({low.removesuffix(' %')}-{high}) {beneath}"
         return Tile(self.tile or self.label, self.in_few, beneath, self.is_caution)
 
     @property
     def _rounded(self) -> list[str]:
         states = self.before, self.after
         return [number_text(one, self._digits) for one in states if one is not None]
+
+    def _in_range(self, value: float) -> str:
+        return degree_word(value) if self.unit == "%" else number_text(value, self._digits)
 
     @property
     def _digits(self) -> int:

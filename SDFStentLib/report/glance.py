@@ -25,7 +25,15 @@ from .facts import GLANCE, LINES, Fact, Facts, Tile
 from .flow import flow_facts
 from .sizing import ratio_sentence
 from .stents import measured_facts
-from .summary import STENOSIS, SURFACE, UNCOVERED, outcome_facts, surface_fact, warning_facts
+from .summary import (
+    STENOSIS,
+    SURFACE,
+    UNCOVERED,
+    outcome_facts,
+    range_of,
+    surface_fact,
+    warning_facts,
+)
 from .words import UNKNOWN, degree_word
 
 PREVIEW, MEASURING = "preview", "measuring..."
@@ -197,7 +205,7 @@ def result_tiles(
     flow : mapping, optional
         `flow_section` before and after treatment.
     voxels : VoxelRange, optional
-        Ranges of lumen and pressure drop, where the vessel was made of voxels.
+        Ranges of lumen, stenosis and pressure drop, where the vessel was made of voxels.
     """
     lumens = [one for stent in stents for one in _lumen_within(stent, voxels)]
     drops = () if flow is None else flow_facts(flow, "mean").at(GLANCE)
@@ -206,7 +214,7 @@ def result_tiles(
     told = [
         *warning_facts(cautions),
         *_worst(lumens),
-        *outcome_facts(stents, lesions),
+        *outcome_facts(stents, lesions, ranges=() if voxels is None else voxels.stenoses),
         *_worst(drops),
         surface_fact(certificate),
     ]
@@ -226,7 +234,7 @@ def _lumen_within(stent: TreatedStent, voxels: VoxelRange | None) -> Iterator[Fa
 
 def _within(fact: Fact, name: str, ranges: Sequence[Ranged]) -> Fact:
     """A fact with the range, of all, of the thing with a name."""
-    return next((fact._replace(within=one.after) for one in ranges if one.name == name), fact)
+    return fact._replace(within=range_of(name, ranges))
 
 
 def _worst(facts: Iterable[Fact]) -> Iterator[Fact]:

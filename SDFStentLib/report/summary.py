@@ -17,6 +17,7 @@ from ..certificate import (
     Certificate,
 )
 from ..plan import PlanResult, Today
+from ..scan import Ranged, Span
 from ..treatment import TreatedLesion, TreatedStent, label_of, nearest_lesion, residual_of
 from .branches import branches_fact, contact_fact, of_each
 from .facts import GLANCE, LINES, Fact, Facts, listed
@@ -168,6 +169,7 @@ def outcome_facts(
     stents: Sequence[TreatedStent],
     lesions: Sequence[TreatedLesion] | None,
     every: Sequence[TreatedStent] = (),
+    ranges: Sequence[Ranged] = (),
 ) -> Facts:
     """Facts on the outcome of some stents but their lumen; a sentence each, and its few words.
 
@@ -179,8 +181,10 @@ def outcome_facts(
         Lesions of the vessel; None where none were looked for.
     every : sequence of TreatedStent
         Stents of the whole treatment, where these are only some.
+    ranges : sequence of Ranged
+        Ranges of the stenoses of the lesions, where the vessel was made of voxels.
     """
-    stenosis = _stenosis(stents, lesions, every or stents)
+    stenosis = _stenosis(stents, lesions, every or stents, ranges)
     return Facts((stenosis, branches_fact(stents), *contact_fact(stents)))
 
 
@@ -188,6 +192,7 @@ def _stenosis(
     stents: Sequence[TreatedStent],
     lesions: Sequence[TreatedLesion] | None,
     every: Sequence[TreatedStent],
+    ranges: Sequence[Ranged],
 ) -> Fact:
     """Fact on the worst lesion that the stents cover, and on the residual stenosis in its vessel,
     wherever that is; of stents that cover none on the lesion beside them."""
@@ -202,19 +207,27 @@ def _stenosis(
         percent = beside.after.percent_diameter
         hand = f"{UNCOVERED}; lesion {beside.number}: {degree_word(percent)} left"
         beneath = f"{UNCOVERED}; that of lesion {beside.number}"
-        return _left(percent, COVERS_NONE, hand, beneath)._replace(is_caution=True)
+        fact = _left(percent, COVERS_NONE, hand, beneath)._replace(is_caution=True)
+        return fact._replace(within=range_of(f"lesion {beside.number}", ranges))
     before = degree_word(max(one.before.percent_diameter for one in covered))
     words = listed([degree_change(one) for one in covered], "; ")
     words = f"Stenosis by diameter: {words}. {residual_facts(left).named('words')}."
     hand = f"stenosis {before} -> {degree_word(left.percent)}"
     beneath = f"before {before}, healthy {number_text(left.reference, 1)} mm"
-    return _left(left.percent, words, hand, beneath)
+    fact = _left(left.percent, words, hand, beneath)
+    return fact._replace(within=range_of(f"lesion {left.lesion}", ranges))
+
+
+def range_of(name: str, ranges: Sequence[Ranged]) -> Span | None:
+    """The range after treatment, of all, of the thing with a name."""
+    return next((one.after for one in ranges if one.name == name), None)
 
 
 def _left(percent: float, words: str, hand: str, beneath: str) -> Fact:
     return Fact(
         "stenosis",
         after=percent,
+        unit="%",
         words=words,
         level=GLANCE,
         few=degree_word(percent),
