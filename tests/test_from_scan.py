@@ -1,15 +1,17 @@
 """From a segmentation to a certified stent and its report, with what half a voxel makes of it."""
 
 import json
+import math
 
 import pytest
 from segmentations import named, voxels, write
 
 from SDFStentLib.files import read_surface
+from SDFStentLib.flow import known_flow
 from SDFStentLib.plan import Plan, case_of, read_input_files, run_plan
 from SDFStentLib.report import voxel_facts
 from SDFStentLib.scan import Ranged, VoxelRange, treated_voxel_range, voxel_range
-from SDFStentLib.stent import AtLesion, InputFile, Stent
+from SDFStentLib.stent import AtCenter, AtLesion, InputFile, Stent
 from SDFStentLib.validation import InputError
 
 SIDE = 0.6
@@ -126,6 +128,23 @@ def test_where_half_a_voxel_closes_a_lumen_no_stent_has_a_range(scanned):
     result = run_plan(Plan((stent,), InputFile(surface), InputFile(line)))
     with pytest.raises(InputError, match=r"wider than a voxel, 4\.80 mm, .* got 4\.\d\d mm"):
         treated_voxel_range(case_of(result.plan, result.inputs), result, 2.4)
+
+
+def test_where_half_a_voxel_closes_an_outlet_all_but_the_pressure_has_its_range(scanned):
+    """As of the twigs of a scan: no range at all was known for them."""
+    surface, line = map(str, paths_of(scanned))
+    stent = Stent(8.5, placement=AtCenter((0, 0, 13)), length=10)
+    plan = Plan((stent,), InputFile(surface), InputFile(line), flow=known_flow(50.0))
+    result = run_plan(plan)
+    case, half = case_of(result.plan, result.inputs), 2.7
+    found = treated_voxel_range(case, result, half, result.flow)
+    ((low, high),) = (one.before for one in found.lumens)
+    assert high - low == pytest.approx(4 * half, rel=0.1)
+    assert found.minima[0].before[0] == 0
+    assert [one.name for one in found.drops] == list(result.flow.parts)
+    assert all(map(math.isnan, found.drops[0].before))
+    (told,) = (one for one in voxel_facts(found).sentences if "pressure" in one)
+    assert told.endswith("recovered pressure drop: not known, as that closes a vessel.")
 
 
 def test_of_a_range_without_stenosis_none_is_told():

@@ -280,7 +280,7 @@ def voxel_facts(found: VoxelRange) -> Facts:
     """Ranges as a document has them, and a sentence for each kind."""
     where = f"With the wall half a voxel ({number_text(found.half, 2)} mm) in or out"
     told = [
-        f"{where}, {words}: {listed([_words(one, unit, word) for one in ranges], '; ')}."
+        f"{where}, {words}: {_told(ranges, unit, word)}."
         for (_, words, unit, word), ranges in zip(KINDS, found[1:], strict=True)
         if ranges
     ]
@@ -302,6 +302,12 @@ def _ranges(ranges: Sequence[Ranged]) -> list[dict[str, Any]]:
         {"name": one.name, "before": list(one.before), "after": one.after and list(one.after)}
         for one in ranges
     ]
+
+
+def _told(ranges: Sequence[Ranged], unit: str, word: Callable[[float], str]) -> str:
+    if all(math.isnan(one.before[0]) for one in ranges):
+        return f"{UNKNOWN}, as that closes a vessel"
+    return listed([_words(one, unit, word) for one in ranges], "; ")
 
 
 def _words(one: Ranged, unit: str, word: Callable[[float], str]) -> str:

@@ -6,6 +6,7 @@ walls, and stents deployed in both: no formula gives the error of a number.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -45,7 +46,8 @@ class VoxelRange(NamedTuple):
     lumens: tuple[Ranged, ...] = ()
     """Narrowest inscribed diameters of stents that lie in the vessel in the end, mm."""
     drops: tuple[Ranged, ...] = ()
-    """Recovered pressure drops at the mean flow, mmHg."""
+    """Recovered pressure drops at the mean flow, mmHg; not known where half a voxel closes an
+    outlet."""
 
     def of_lesions(self, numbers: Iterable[int]) -> VoxelRange:
         """What is told of some of the lesions, by number from 1, and all of the rest."""
@@ -207,7 +209,11 @@ def _drops(
     """Pressure drops over the parts of a flow, mmHg, before and after."""
     answer = flow
     if wall is not treated:
-        model = flow_model(wall.vessel, flow.known, case.frame)
+        try:
+            model = flow_model(wall.vessel, flow.known, case.frame)
+        except InputError:  # all else is known there, too
+            unknown = [math.nan] * len(flow.parts)
+            return unknown, unknown
         answer = flow_answer(model, wall.vessel, wall.treatment, case.vessel.lesions)
     assert answer.after is not None
     before, after = (
