@@ -107,6 +107,8 @@ def test_a_process_beside_finds_the_same(host, aTreatedTube, monkeypatch):
 
 def test_a_new_deployment_leaves_it(host, aTreatedTube):
     panel = aTreatedTube
+    ranged(host, panel)
+    panel.ranging.start(panel.logic.ranged(panel._parameterNode))  # a quick machine had it by now
     assert panel.ranging.isRunning
     host.click(panel.ui.deployButton)
     assert not panel.ranging.isRunning
