@@ -587,6 +587,25 @@ def test_a_vessel_that_widens_far_beyond_its_ostial_narrowing_is_measured_beside
     assert reference_of(widening, parent=0) == pytest.approx(3.6, abs=0.1)
 
 
+def test_a_throat_that_widens_slowly_is_measured_against_where_it_has():
+    """54 % at an ostium were told as 29 % of a place within its flank, which is even; and of a
+    throat at a fork 65 % as 36."""
+    widths = [
+        1.83, 1.91, 2.01, 2.19, 2.43, 2.6, 2.82, 3.04, 3.19, 3.55, 3.79, 3.92, 3.88, 3.75, 3.61,
+        3.48, 3.57, 3.7, 3.83, 3.96, 3.81, 3.63, 3.48, 3.37, 3.26, 3.25, 3.33, 3.4, 3.47, 3.54,
+    ]  # fmt: skip
+    (one,) = narrowings(vessel_along(np.array(widths), 0, 1.9 + 0.94 * np.arange(len(widths))))
+    assert one.reference.distal.diameter == pytest.approx(3.9, abs=0.2)
+    trunk = vessel_along(through((0, 4.3), (50, 4.3), (55, 3.0), (56, 3.0), (60, 2.2)))
+    onward = through(
+        (0, 1.82), (1, 1.82), (2, 1.86), (3, 1.95), (4, 2.12), (5, 2.29), (6, 2.5), (7, 2.7),
+        (10, 3.3), (14, 3.9), (20, 5.1), (23, 5.2), (24, 4.5), (40, 4.5),
+    )  # fmt: skip
+    vessel = vessel_along(onward, 0, start=60.0)._replace(caliber=4.5, beside=(5.1,))
+    (one,) = found_narrowings([trunk, vessel], [1])
+    assert one.narrow.degree == pytest.approx(0.6, abs=0.05)
+
+
 def test_a_bump_in_an_ostial_throat_is_no_healthy_vessel():
     """22 % of the bump were told of 66: beyond the nearer of two throats nothing is wide soon."""
     places = [0.0, 0.7, 1.4, 2.0, 2.6, 3.3, 3.9, 4.5, 5.2, 5.9, 6.5, 7.2, 7.8]

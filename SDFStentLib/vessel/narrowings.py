@@ -190,6 +190,9 @@ def _reference(
         widest = beyond if is_one_sided else widest
     if not (persists or is_one_sided):
         return _alone(run, narrow, eased)
+    # How fast a vessel widens tells whether it tapers only, not how wide it is.
+    wider = [_widest(caliber, at, way) for way in ((1,) if is_one_sided else (-1, 1))]
+    widest = max(widest, min(wider))
     least = narrow + REGAINED * (widest - narrow)
     after = _healthy(caliber, at, 1, least, own[1])
     if after is None:
