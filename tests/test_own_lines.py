@@ -6,6 +6,7 @@ from lesion_cases import bifurcation_case
 from round_tubes import chain, circle, contoured, random_tree
 from scipy.spatial import Delaunay, cKDTree
 
+from benchmarks.common import subdivided
 from benchmarks.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
@@ -21,7 +22,15 @@ from SDFStentLib import extract_centerline
 from SDFStentLib.centerline import InnerBalls, WidestWays, inner_balls
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.geometry import Line, Surface, SurfaceIndex, distances_to_segments, norm
+from SDFStentLib.geometry import (
+    Line,
+    Surface,
+    SurfaceIndex,
+    distances_to_segments,
+    median_edge,
+    norm,
+    vertex_normals,
+)
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.treatment import Vessel
 from SDFStentLib.validation import DeploymentError, InputError
@@ -90,6 +99,21 @@ def test_lines_of_an_anatomy_agree_with_those_that_came_with_it(data_dir, name):
     away = apart(found.lines.points, known)
     assert np.median(away) < 0.03
     assert np.quantile(away, 0.95) < 0.3
+
+
+@pytest.mark.parametrize("seed", [0, 4])
+@pytest.mark.parametrize(("name", "unit"), [("vmtk_aorta", "mm"), ("pulmonary", "cm")])
+def test_pockets_of_a_rough_wall_are_no_ends(data_dir, name, unit, seed):
+    """Up to six more lines were drawn, and one of them was the inlet: a pocket is longer than it is
+    wide, but not as wide as the vessel to whose middle its end was moved."""
+    plain = read_surface(data_dir / f"{name}_surface_{unit}.vtp", unit).surface
+    points, triangles = subdivided(plain.points, plain.triangles)
+    aside = 0.06 * median_edge(points, triangles)
+    aside *= np.random.default_rng(seed).normal(size=(len(points), 1))
+    found = extract_centerline(
+        Surface(points + aside * vertex_normals(points, triangles), triangles)
+    )
+    assert len(found.lines.lines) == 2
 
 
 def away(one, other):

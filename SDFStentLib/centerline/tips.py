@@ -63,9 +63,7 @@ class _Reach:
             if self.away[peak] <= saddle or values[peak] == np.inf:
                 continue  # no longer than wide: most are
             way = self.beyond(peak, saddle)
-            # As the crow flies: from ball to ball ways go zigzag.
-            far = norm(centers[way] - centers[way[-1]]) + radii[way]
-            if far.max() > 2 * radii[way].max():
+            if self._length(way) > 2 * radii[way].max():
                 found.append(way)
         found.sort(key=lambda way: -self.reach[way[0]])
         met = centers[limbs_met(self.balls, self.former)[:, 0]]
@@ -81,8 +79,16 @@ class _Reach:
                 near = near[np.isfinite(self.away[near])]
                 beside = near[norm(centers[near] - centers[last]) <= radii[near] + radii[last]]
                 wide = beside[radii[beside] >= FULL * radii[beside].max()]
-                tips.append(int(wide[self.away[wide].argmax()]))
+                tip = int(wide[self.away[wide].argmax()])
+                # What is not as long as the end is wide in which it lies is a pocket of that.
+                if self._length(way) > 2 * radii[tip]:
+                    tips.append(tip)
         return tips
+
+    def _length(self, way: Indices) -> float:
+        """How far a way leads, mm, as the crow flies: from ball to ball ways go zigzag."""
+        centers, radii, *_ = self.balls
+        return float((norm(centers[way] - centers[way[-1]]) + radii[way]).max())
 
     def _out_of_the_rim(self, peak: int, side: float) -> int:
         """The ball at which the way back from one of them comes to the middle of an end.
