@@ -5,6 +5,9 @@ import pytest
 from lesion_cases import bifurcation_case
 from round_tubes import chain, circle, contoured, random_tree
 from scipy.spatial import Delaunay, cKDTree
+from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkTriangleFilter
+from vtkmodules.vtkFiltersModeling import vtkLinearExtrusionFilter
+from vtkmodules.vtkFiltersSources import vtkPlaneSource
 
 from benchmarks.common import subdivided
 from benchmarks.phantoms import (
@@ -21,7 +24,7 @@ from benchmarks.phantoms import (
 from SDFStentLib import extract_centerline
 from SDFStentLib.centerline import InnerBalls, WidestWays, inner_balls
 from SDFStentLib.cli import main
-from SDFStentLib.files import read_centerline, read_surface
+from SDFStentLib.files import read_centerline, read_surface, surface_from_polydata
 from SDFStentLib.geometry import (
     Line,
     Surface,
@@ -33,6 +36,7 @@ from SDFStentLib.geometry import (
 )
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.treatment import Vessel
+from SDFStentLib.treatment.blunt_ends import blunt_ends
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import find_lesions, vessel_ends
 
@@ -402,3 +406,23 @@ def test_the_command_needs_no_other_package(tmp_path, capsys, monkeypatch):
     made = read_centerline("own.vtp", "cm")
     known = read_centerline("line.vtp", "cm")
     assert apart(made.points, known).max() < 0.05
+
+
+@pytest.mark.parametrize("gap", [0.05, 0.1])
+def test_flat_walls_that_touch_are_told_apart(gap):
+    """`centerline` ended in an error: all faces near a point were those of the other wall."""
+    plane, raised, faces = vtkPlaneSource(), vtkLinearExtrusionFilter(), vtkTriangleFilter()
+    plane.SetPoint1(8, 0, 0)
+    plane.SetPoint2(0, 8, 0)
+    plane.SetResolution(11, 11)
+    raised.SetVector(0, 0, 0.5)
+    raised.SetExtrusionTypeToVectorExtrusion()
+    for one, other in ((plane, raised), (raised, faces)):
+        other.SetInputConnection(one.GetOutputPort())
+    merged = vtkCleanPolyData()
+    merged.SetInputConnection(faces.GetOutputPort())
+    merged.Update()
+    sheet = surface_from_polydata(merged.GetOutput())
+    points = np.vstack([sheet.points, sheet.points + np.array([0, 0, 0.5 + gap])])
+    both = Surface(points, np.vstack([sheet.triangles, sheet.triangles + len(sheet.points)]))
+    assert blunt_ends(both, inner_balls(both).at_wall) == []

@@ -108,8 +108,7 @@ class _FacesAndBalls:
         is_known = np.zeros(len(self.points), dtype=bool)
         seeds = self._flat_around(self._wide())
         for point in seeds[np.argsort(-self.radii[seeds], kind="stable")].tolist():
-            if not is_known[point]:
-                found = self._spot(point)
+            if not is_known[point] and (found := self._spot(point)):
                 own = self.triangles[found.faces]
                 is_known[own] = True
                 radius = float(self.radii[own].max())
@@ -150,15 +149,20 @@ class _FacesAndBalls:
         away, face = self._near.query(places, workers=threads())
         return away, face
 
-    def _spot(self, point: int) -> Spot:
-        """The spot round a point that looks the same way on the whole."""
+    def _spot(self, point: int) -> Spot | None:
+        """The spot round a point that looks the same way on the whole; None in a fold."""
         place, radius = self.points[point], self.radii[point]
-        near = np.sort(self._near.query_ball_point(place, _AROUND * radius))
+        near = np.sort(self._near.query_ball_point(place, _AROUND * radius)).astype(np.int64)
+        # The wall of a vessel that touches this one is as near, and looks the other way.
+        near = near[self.normals[near] @ self.at_points[point] > 0]
         away = norm(self.middles[near] - place)
-        beside = near[away < max(radius / OWN_WIDTH, ALIKE * away.min())]
+        beside = near[away < max(radius / OWN_WIDTH, ALIKE * away.min(initial=np.inf))]
         mean = self.areas[beside] @ self.normals[beside]
-        normal = mean / np.linalg.norm(mean)
-        own = near[self.normals[near] @ normal > ACROSS]
+        length = np.linalg.norm(mean)
+        own = near[self.normals[near] @ mean > ACROSS * length]
+        if not len(own):
+            return None
+        normal = mean / length
         own = self._part(own, int(own[norm(self.middles[own] - place).argmin()]))
         middle = self.areas[own] @ self.middles[own] / self.areas[own].sum()
         center = self.middles[own[norm(self.middles[own] - middle).argmin()]]
