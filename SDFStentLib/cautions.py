@@ -19,6 +19,10 @@ _BESIDE += f"{_AT}, was taken."
 TEMPLATES = {
     "ends-apart": "Ends of parts that hang free: {count}. No line leads there.",
     "limbs-meet": f"Limbs that meet again: {{count}}, one near {_AT}; part vessels that touch.",
+    "inlet-narrow": (
+        "The proximal end is {inlet_mm:.1f} mm wide, but the lumen {diameter_mm:.1f} mm near "
+        f"{_AT}; if the vessel begins there, cut that end flat, or name its tip as the inlet."
+    ),
     # Files
     "polygons-cut": (
         "{polygons} polygons or strips were cut into triangles, {triangles} triangles now."

@@ -120,6 +120,22 @@ def test_pockets_of_a_rough_wall_are_no_ends(data_dir, name, unit, seed):
     assert len(found.lines.lines) == 2
 
 
+def test_an_inlet_that_is_narrow_beside_the_lumen_is_told():
+    """A trunk as short as it is wide, without a flat end, is no end: vessels led from an outlet to
+    all others, in silence."""
+    trunk, *branches = [(0, 0, -3), (0, 0, 0)], [(0, 0, 0), (30, 0, 30)], [(0, 0, 0), (-25, 0, 30)]
+    pieces = [*chain(trunk, 9.0), *chain(branches[0], 3.5), *chain(branches[1], 3.0)]
+    surface = contoured(pieces, 0.8)
+    (told,) = extract_centerline(surface).warnings
+    assert told.kind == "inlet-narrow"
+    assert told.numbers["diameter_mm"] == pytest.approx(18.0, abs=1.0)
+    assert told.numbers["inlet_mm"] < 7.5
+    tip = surface.points[surface.points[:, 2].argmin()]
+    named = extract_centerline(surface, inlet=tip)
+    assert named.warnings == ()
+    assert len(named.lines.lines) == 2
+
+
 def away(one, other):
     return float(np.linalg.norm(np.subtract(one.point, other.point)))
 

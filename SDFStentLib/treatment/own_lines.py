@@ -31,7 +31,7 @@ from ..validation import (
     as_point,
     coordinates,
 )
-from ..vessel import KnownEnds, known_ends
+from ..vessel import ANEURYSM, KnownEnds, known_ends
 from .blunt_ends import BluntEnd, blunt_ends
 
 OPEN, BALLS, ENDS, DRAWN = 0.05, 0.43, 0.64, 0.69
@@ -129,6 +129,12 @@ def extract_centerline(
     if len(meetings):
         place = as_place(goals.balls.centers[meetings[0, 0]])
         warnings.append(Caution("limbs-meet", {"count": len(meetings)}, place))
+    widest = int(np.where(ways.is_reached, goals.balls.radii, 0.0).argmax())
+    diameter, at_inlet = 2 * float(goals.balls.radii[widest]), 2 * goals.inlet_radius
+    if diameter > ANEURYSM * at_inlet:
+        # An end as short as it is wide, with a round rim, looks like an aneurysm.
+        numbers = {"diameter_mm": diameter, "inlet_mm": at_inlet}
+        warnings.append(Caution("inlet-narrow", numbers, as_place(goals.balls.centers[widest])))
     return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), tuple(warnings))
 
 
@@ -138,6 +144,8 @@ class _Goals(NamedTuple):
     balls: InnerBalls
     inlet: int
     ends: list[int]
+    inlet_radius: float
+    """Radius of the inlet, mm; infinite for one that is named."""
 
 
 class _FoundEnds(NamedTuple):
@@ -182,13 +190,14 @@ def _goals(seeds: KnownEnds, are_named: bool, show: Callable[[float], None]) -> 
     known = len(balls.radii) + np.arange(len(given))
     if given:
         balls = with_places(balls, seeds.surface.points[given])
-    goals = known
+    goals, radius = known, seeds.inlet_radius
     if not are_named:
         begin = None if seeds.inlet is None else int(known[0])
         found = _found_ends(closed, balls, begin, known)
         balls = found.balls
         # A spot of two triangles that lie in one plane may pass for a flat end.
-        is_wider = found.radii.max(initial=0.0) > ALIKE * seeds.inlet_radius
+        is_wider = found.radii.max(initial=0.0) > ALIKE * radius
+        radius = float(found.radii[0]) if is_wider else radius
         goals = np.r_[found.ends, known] if is_wider else np.r_[known, found.ends]
     if len(goals) < 2:
         raise InputError(
@@ -196,7 +205,7 @@ def _goals(seeds: KnownEnds, are_named: bool, show: Callable[[float], None]) -> 
             f"{len(goals)}; cut the ends flat, or name the inlet and every outlet."
         )
     inlet, *ends = goals.tolist()
-    return _Goals(balls, inlet, ends)
+    return _Goals(balls, inlet, ends, radius)
 
 
 class _Drawing:

@@ -6,6 +6,7 @@ from .apposition import apposition as apposition
 from .branch_lumen import branch_lumens as branch_lumens
 from .branch_lumen import lumen_left as lumen_left
 from .branch_names import branch_names as branch_names
+from .caliber import ANEURYSM as ANEURYSM
 from .given_names import VesselName as VesselName
 from .given_names import given_names as given_names
 from .lesion_measuring import is_touched as is_touched
