@@ -1,7 +1,6 @@
 """Cautions that a user needs before relying on a result: a kind, numbers, and a place.
 
-Code asks for the kind and the numbers. The sentence is made at the end, for the shell, the panel
-and the report alike, from the one template of its kind.
+Code asks for kind and numbers; the sentence is made at the end, from the one template of its kind.
 """
 
 from __future__ import annotations
@@ -13,15 +12,14 @@ from .units import in_file
 from .validation import InputError, Place, PlainNumbers
 
 _AT = "({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}"
-_BESIDE = "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
-_BESIDE += f"{_AT}, was taken."
+_BESIDE = f"lies {{distance_mm:.1f}} mm beside the centerline; its nearest place, {_AT}, was taken."
 
 TEMPLATES = {
     "ends-apart": "Ends of parts that hang free: {count}. No line leads there.",
     "limbs-meet": f"Limbs that meet again: {{count}}, one near {_AT}; part vessels that touch.",
     "inlet-narrow": (
-        "The proximal end is {inlet_mm:.1f} mm wide, but the lumen {diameter_mm:.1f} mm near "
-        f"{_AT}; if the vessel begins there, cut that end flat, or name its tip as the inlet."
+        f"The inlet is {{inlet_mm:.1f}} mm wide, the lumen {{diameter_mm:.1f}} at {_AT}; if that "
+        "is where the vessel begins, cut it flat there, or name its tip as the inlet."
     ),
     # Files
     "polygons-cut": (
@@ -29,8 +27,7 @@ TEMPLATES = {
     ),
     "slivers": (
         "Triangles with an angle below 1 degree: {triangles}, the worst {angle_deg:.2g} degrees "
-        "near ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}. No fault, but a mesher may refuse or refine "
-        "them."
+        "near ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}. No fault, but a mesher may refuse them."
     ),
     "cells-dropped": "{cells} vertices and lines among the cells were dropped.",
     "integer-coordinates": "its coordinates are integers; they are written as doubles.",
@@ -247,8 +244,7 @@ TEMPLATES = {
     ),
     "no-equivalent-diameter": (
         "No equivalent diameter at {missing} of {stations} stations ({ranges_mm} mm along the "
-        "axis): no closed cross-section of the surface lies round the axis there, or a cap cuts "
-        "it off."
+        "axis): no closed cross-section lies round the axis there, or a cap cuts it off."
     ),
     # Flow
     "wave-not-repeated": (
@@ -276,7 +272,7 @@ GRAVEST = (
     "unusual-size", "unusual-extent", "unit-in-file", "partly-outside", "jagged-line",
     "changed-input", "outside-without-effect", "hangs-free", "overdilated", "without-effect",
     "too-coarse", "facets-inside", "lesion-uncovered", "shortened", "narrower", "narrowed",
-    "neighbor-narrowed", "tight-bend", "cap-bulged", "new-slivers",
+    "neighbor-narrowed", "tight-bend", "cap-bulged", "new-slivers", "inlet-narrow",
 )  # fmt: skip
 """Kinds by gravity, for a choice of cautions; others follow as they came."""
 
