@@ -105,7 +105,7 @@ def resultsFolder(node):
 
 def showLines(node, points, lines):
     """Put poly-lines into a model node, in place."""
-    _replaceContent(node, polydata_from_lines(points, lines))
+    _replaceContent(node, polydata_from_lines(points, lines) if len(lines) else vtkPolyData())
     node.GetDisplayNode().SetLineWidth(Showing.LINE_WIDTH)
 
 

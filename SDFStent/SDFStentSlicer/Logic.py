@@ -181,6 +181,7 @@ class SDFStentLogic(
         shown = self._shownOf(parameterNode)
         if shown.signature and Dependencies.areOfTwoVessels(shown.signature, signature):
             Results.clearNumbers(parameterNode, _("Not measured yet."))
+            Results.clearCenterline(parameterNode)
         vessel = yield from working(self._inputs.vesselInPortions(parameterNode))
         reported = self._snapping.reported(parameterNode)
         if reported or not self.isProposal(parameterNode):

@@ -46,6 +46,7 @@ class Previewing:
             with slicer.util.NodeModify(parameterNode):
                 parameterNode.expansion = 0.0
                 Results.clearNumbers(parameterNode, _("Shown: the vessel before treatment."))
+            Results.clearCenterline(parameterNode)
             raise
         show(shown, surface, run, signature)
         parameterNode.expansion = 100.0

@@ -63,6 +63,13 @@ def clearNumbers(parameterNode, text=""):
     parameterNode.rightBranch = parameterNode.atHand = ""
 
 
+def clearCenterline(parameterNode):
+    """Show no stented centerline: that of another vessel, or of stents that are not there, would be taken for this one's."""
+    node = parameterNode.outputCenterline
+    if node is not None:
+        Display.showLines(node, (), ())
+
+
 def showStents(parameterNode, stents, isWhole=False):
     """Show every `DrawnStent` in one model, as struts or as a tube; once they are deployed, `isWhole`, as the user's own mesh."""
     node = Display.outputModel(parameterNode, "outputStents", _("Stents"), Display.STENT_COLOR)

@@ -23,6 +23,10 @@ def moved(node, offset):
     return node
 
 
+def countIn(node):
+    return node.GetPolyData().GetNumberOfPoints()
+
+
 def others():
     return {
         "shape": lambda: sample("arch_with_coarctation", "Arch"),
@@ -74,6 +78,7 @@ def test_a_vessel_that_is_changed_under_its_stents_is_shown_as_it_is(host, aSten
     if isLive:
         assert aStent._state.atHand.text == ""
         np.testing.assert_allclose(pointsOf(parameters.outputVessel), pointsOf(other), atol=1e-4)
+        assert countIn(parameters.outputCenterline) == 0  # it is of the former one
     former = next(
         node
         for node in slicer.util.getNodesByClass("vtkMRMLModelNode")
@@ -84,6 +89,7 @@ def test_a_vessel_that_is_changed_under_its_stents_is_shown_as_it_is(host, aSten
     deploy(host, aStent)
     assert WORDS not in ui.statusLabel.text
     assert parameters.certificateSummary
+    assert countIn(parameters.outputCenterline) > 0
 
 
 def test_a_part_that_lies_outside_is_said(host, aPanel, aVessel):
