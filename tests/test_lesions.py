@@ -733,6 +733,19 @@ def test_a_vessel_that_soon_ends_beyond_is_no_aneurysm(end, is_told):
     assert bool(narrowings(vessel_along(diameter, parent=0))) == is_told
 
 
+def test_a_vessel_is_no_aneurysm_of_its_ostium_where_it_divides():
+    """42 % were silent, as the branches in which it divides are as narrow as its beginning."""
+    course = through(
+        (0, 5.9), (26, 5.5), (28.8, 5.5), (30, 3.1), (32, 4.1), (33.3, 4.3), (36.6, 5), (37.4, 5.5),
+        (40.1, 6.2), (41, 5.8), (42, 4.6), (43.5, 2.9), (44, 2.6), (60, 2.4),
+    )  # fmt: skip
+    way = vessel_along(course, parent=0)._replace(beside=(6.8,))
+    (one,) = narrowings(way, own=(30.0, 41.0))
+    assert one.degree == pytest.approx(0.43, abs=0.05)
+    # As a vessel of its own it goes on as narrow as it begins.
+    assert not narrowings(way, own=(30.0, 60.0))
+
+
 def test_a_narrow_ostium_is_told_though_a_throat_and_a_taper_follow():
     """60 % were not told: far beyond, the vessel tapers to no more than its ostium."""
     course = through(

@@ -4,8 +4,7 @@ A narrowing is a minimum beyond which the vessel becomes wider again on both sid
 it becomes wider least by `SMALLEST_DEGREE` (the persistence of a minimum in a merge tree); at the
 ostium of a side branch, and where an in- or outlet cuts it off as it begins to widen, the other
 side alone tells, by `SMALLEST_ONE_SIDED`. It is measured between its shoulders, where the flank has
-stopped becoming less steep, interpolated from one to the other. A vessel goes on beyond junctions
-(`VesselWay`): shoulders may lie there.
+stopped becoming less steep, interpolated, beyond junctions, too, where a vessel goes on there.
 """
 
 from __future__ import annotations
@@ -174,10 +173,10 @@ def _reference(
 ) -> Reference | None:
     """The healthy vessel about a minimum; None where that does not persist."""
     narrow, begins = float(caliber.diameter[at]), own[0]
-    widest, smallest = _again(run, caliber, at, eased, begins)
+    widest, smallest = _again(run, caliber, at, eased, own)
     persists = narrow <= (1 - smallest + eased) * widest
     is_ostial, is_one_sided = run.parent >= 0, False
-    above, beyond = (_one_sided(caliber, at, way) for way in (-1, 1))
+    above, beyond = _one_sided(caliber, at, -1), _one_sided(caliber, at, 1, end=own[1])
     if not persists:
         # What an in- or outlet cuts off as it begins to widen counts as at an ostium.
         other = max(_cut_short(_from(caliber, begins), at, eased), default=0.0)
@@ -228,19 +227,19 @@ def _cut_short(caliber: Caliber, at: int, eased: float) -> Iterator[float]:
 
 
 def _again(
-    run: VesselRun, caliber: Caliber, at: int, eased: float, begins: float
+    run: VesselRun, caliber: Caliber, at: int, eased: float, own: tuple[float, float]
 ) -> tuple[float, float]:
     """Diameter of a vessel wider again on both sides of a minimum, mm, and the least
     persistence."""
+    begins, narrow = own[0], float(caliber.diameter[at])
     sides = [_widest(caliber, at, way) for way in (-1, 1)]
-    narrow = float(caliber.diameter[at])
     if narrow <= (1 - SMALLEST_DEGREE + eased) * _widest(_from(caliber, begins), at, -1):
         return min(sides), SMALLEST_DEGREE
     if begins <= caliber.along[0]:
         return min(sides), SMALLEST_DEGREE
     # Nothing of its own is wider before: it may begin narrower, as healthy vessels do.
     lets = left_by(_widest(caliber, at, -1, ONE_SIDED_REACH), run.beside)
-    return min(sides[0], _one_sided(caliber, at, 1, lets)), SMALLEST_ONWARD
+    return min(sides[0], _one_sided(caliber, at, 1, lets, own[1])), SMALLEST_ONWARD
 
 
 def _from(caliber: Caliber, begins: float) -> Caliber:
@@ -291,12 +290,15 @@ def _widest(caliber: Caliber, at: int, way: int, reach: float = np.inf) -> float
     return float(kept[is_own & (away / reach <= kept)].max(initial=diameter[0]))
 
 
-def _one_sided(caliber: Caliber, at: int, way: int, lets: float = 0.0) -> float:
+def _one_sided(
+    caliber: Caliber, at: int, way: int, lets: float = 0.0, end: float = np.inf
+) -> float:
     """Width again near a junction, but in an aneurysm.
 
     That is widest in its middle third, loses half of it as fast as a throat regains it, and beyond
-    it the vessel stays as narrow as before, as far as counts at an ostium: what ends sooner
-    tapers. It is wider than what a vessel before a junction `lets` go on, mm.
+    it the vessel stays as narrow, as far as counts at an ostium: what ends sooner tapers. It is
+    wider than what a vessel before a junction `lets` go on, mm, and over before the vessel's `end`,
+    an arc length: that goes on in narrower ones.
     """
     away, diameter, kept = _side(caliber, at, way)
     widest = _widest(caliber, at, way, ONE_SIDED_REACH)
@@ -307,7 +309,8 @@ def _one_sided(caliber: Caliber, at: int, way: int, lets: float = 0.0) -> float:
     back = peak + np.flatnonzero(diameter[peak:] <= diameter[0])
     if not len(back) or half[0] - away[peak] > ONE_SIDED_REACH * widest:
         return widest
-    is_focal = away[back[0]] <= 3 * away[peak] and np.median(diameter[back[0] :]) <= diameter[0]
+    last = min(3 * away[peak], abs(end - float(caliber.along[at])))
+    is_focal = away[back[0]] <= last and np.median(diameter[back[0] :]) <= diameter[0]
     stays = away[-1] - away[back[0]] >= ONE_SIDED_REACH * diameter[0]
     return float(diameter[0]) if is_focal and stays else widest
 
