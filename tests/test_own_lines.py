@@ -120,6 +120,17 @@ def test_pockets_of_a_rough_wall_are_no_ends(data_dir, name, unit, seed):
     assert len(found.lines.lines) == 2
 
 
+@pytest.mark.parametrize("seed", [0, 2])
+def test_what_lies_within_a_rough_cap_is_no_end_of_its_own(data_dir, seed):
+    """A line more led into the rim of the inlet, and another one to a piece of an outlet's cap."""
+    plain = read_surface(data_dir / "pulmonary_surface_cm.vtp", "cm").surface
+    points, triangles = subdivided(plain.points, plain.triangles)
+    aside = 0.02 * median_edge(points, triangles)
+    aside *= np.random.default_rng(seed).normal(size=(len(points), 1))
+    points += aside * vertex_normals(points, triangles)
+    assert len(extract_centerline(Surface(points, triangles)).lines.lines) == 2
+
+
 def test_an_inlet_that_is_narrow_beside_the_lumen_is_told():
     """A trunk as short as it is wide, without a flat end, is no end: vessels led from an outlet to
     all others, in silence."""

@@ -158,9 +158,10 @@ class _FoundEnds(NamedTuple):
 
 
 def _found_ends(
-    closed: Surface, balls: InnerBalls, begin: int | None, known: Indices
+    closed: Surface, balls: InnerBalls, begin: int | None, known: Indices, wide: Sequence[float]
 ) -> _FoundEnds:
-    """Round and blunt ends of a closed surface, besides the balls at those that are known.
+    """Round and blunt ends of a closed surface, besides the balls at those that are known, which
+    are so wide.
 
     Blunt ends first: their places are in the middle of the vessel, a round end's may be in the rim.
     """
@@ -175,6 +176,10 @@ def _found_ends(
         balls = with_places(balls, np.array([end.place for end in blunt]))
         begin = int(ends[0]) if begin is None else begin
     tips = round_ends(balls, begin, np.r_[known, ends], closed)
+    # What lies within an end is a pocket in its rim.
+    widths = np.r_[wide, [end.radius for end in blunt]]
+    is_apart = [(norm(centers - balls.centers[tip]) > widths).all() for tip in tips.tolist()]
+    tips = tips[np.array(is_apart, dtype=bool)]
     radii = np.r_[balls.radii[tips], [end.radius for end in blunt]]
     order = np.argsort(-radii, kind="stable")
     return _FoundEnds(balls, np.r_[tips, ends][order], radii[order])
@@ -193,7 +198,7 @@ def _goals(seeds: KnownEnds, are_named: bool, show: Callable[[float], None]) -> 
     goals, radius = known, seeds.inlet_radius
     if not are_named:
         begin = None if seeds.inlet is None else int(known[0])
-        found = _found_ends(closed, balls, begin, known)
+        found = _found_ends(closed, balls, begin, known, seeds.radii)
         balls = found.balls
         # A spot of two triangles that lie in one plane may pass for a flat end.
         is_wider = found.radii.max(initial=0.0) > ALIKE * radius

@@ -84,7 +84,12 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     spots = [spot(surface.points, end.rim, end.across, end.faces, end.center) for end in holes]
     ends = [end for end in found if len(end.faces)]
     ends += [end for end, is_own in zip(holes, are_ends(surface, spots), strict=True) if is_own]
-    return sorted(ends, key=lambda end: -end.radius)
+    apart: list[VesselEnd] = []
+    for end in sorted(ends, key=lambda end: -end.radius):
+        # A rough cap falls to pieces; those within another one are no ends of their own.
+        if all(np.linalg.norm(end.center - other.center) > other.radius for other in apart):
+            apart.append(end)
+    return apart
 
 
 def ends_without_line(ends: Sequence[VesselEnd], tree: Centerline) -> int:
@@ -117,6 +122,8 @@ class KnownEnds(NamedTuple):
     """Number of open or flat ends: their middles are its last points."""
     inlet_radius: float
     """The radius of the proximal end, mm; infinite for one that is named, which no wider one is."""
+    radii: tuple[float, ...]
+    """Radii of the proximal end, unless there is none, and of the others, mm; 0 for a place."""
 
 
 def line_seeds(
@@ -173,7 +180,9 @@ def known_ends(
     ] or [center for center in centers if center != start]
     if len({start, *targets}) != 1 + len(targets):
         raise InputError("ends: expected each to be named once; two places name the same end.")
-    return KnownEnds(closed, start, tuple(targets), len(ends), radius)
+    radius_of = dict(zip(centers, (end.radius for end in ends), strict=True))
+    known = [radius_of.get(one, 0.0) for one in (start, *targets) if one is not None]
+    return KnownEnds(closed, start, tuple(targets), len(ends), radius, tuple(known))
 
 
 def _named(closed: Surface, ends: list[VesselEnd], place: Points, name: str) -> int:
