@@ -237,6 +237,7 @@ def test_a_rounded_end_is_found_or_named_and_a_lumen_without_any_is_refused():
     found = extract_centerline(round_one, tips[0], [tips[1]])
     inner = found.lines.points[np.abs(found.lines.points[:, 2] - (low + high) / 2) < 9.0]
     assert norm(inner[:, :2]).max() < 0.1
+    assert extract_centerline(round_one, outlets=tips).warnings == found.warnings == ()
     by_itself = extract_centerline(round_one)
     assert norm(by_itself.centerline.points[:, :2]).max() < 0.15
     assert np.ptp(by_itself.centerline.points[:, 2]) > 0.75 * (high - low)

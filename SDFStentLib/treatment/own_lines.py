@@ -145,7 +145,7 @@ class _Goals(NamedTuple):
     inlet: int
     ends: list[int]
     inlet_radius: float
-    """Radius of the inlet, mm; infinite for one that is named."""
+    """Radius of the inlet, mm; infinite where a place names it."""
 
 
 class _FoundEnds(NamedTuple):
@@ -210,7 +210,7 @@ def _goals(seeds: KnownEnds, are_named: bool, show: Callable[[float], None]) -> 
             f"{len(goals)}; cut the ends flat, or name the inlet and every outlet."
         )
     inlet, *ends = goals.tolist()
-    return _Goals(balls, inlet, ends, radius)
+    return _Goals(balls, inlet, ends, radius or np.inf)
 
 
 class _Drawing:
