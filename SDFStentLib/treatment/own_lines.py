@@ -125,17 +125,26 @@ def extract_centerline(
     for limb, other in meetings.tolist():
         last = drawn.line_to(limb)
         lines += [last, np.append(drawn.line_to(other), last[-1])]
-    warnings = [Caution("ends-apart", {"count": len(apart)})] if apart else []
+    warnings = _cautions(goals, ways, len(apart), meetings)
+    return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), warnings)
+
+
+def _cautions(
+    goals: _Goals, ways: WidestWays, apart: int, meetings: Indices
+) -> tuple[Caution, ...]:
+    """Cautions on lines, by the number of ends that are apart and the balls at which limbs meet."""
+    centers, radii, *_ = goals.balls
+    found = [Caution("ends-apart", {"count": apart})] if apart else []
     if len(meetings):
-        place = as_place(goals.balls.centers[meetings[0, 0]])
-        warnings.append(Caution("limbs-meet", {"count": len(meetings)}, place))
-    widest = int(np.where(ways.is_reached, goals.balls.radii, 0.0).argmax())
-    diameter, at_inlet = 2 * float(goals.balls.radii[widest]), 2 * goals.inlet_radius
-    if diameter > ANEURYSM * at_inlet:
+        place = as_place(centers[meetings[0, 0]])
+        found.append(Caution("limbs-meet", {"count": len(meetings)}, place))
+    widest = int(np.where(ways.is_reached, radii, 0.0).argmax())
+    if radii[widest] > ANEURYSM * goals.inlet_radius:
         # An end as short as it is wide, with a round rim, looks like an aneurysm.
-        numbers = {"diameter_mm": diameter, "inlet_mm": at_inlet}
-        warnings.append(Caution("inlet-narrow", numbers, as_place(goals.balls.centers[widest])))
-    return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), tuple(warnings))
+        lumen, inlet = 2 * float(radii[widest]), 2 * goals.inlet_radius
+        numbers = {"diameter_mm": lumen, "inlet_mm": inlet}
+        found.append(Caution("inlet-narrow", numbers, as_place(centers[widest])))
+    return tuple(found)
 
 
 class _Goals(NamedTuple):
