@@ -308,6 +308,13 @@ def test_limbs_meet_at_the_same_place_however_balls_and_links_are_numbered(at):
         np.testing.assert_array_equal(met, wanted)
 
 
+def test_balls_to_which_no_way_leads_are_no_limbs():
+    centers = np.array([[0.0, 0, 0], [1.0, 0, 0], [50.0, 0, 0], [60.0, 0, 0]])
+    links = np.array([[0, 1], [2, 3]])
+    balls = InnerBalls(centers, np.ones(4), links, np.arange(4))
+    assert WidestWays(balls, 0).meetings().shape == (0, 2)
+
+
 @pytest.mark.parametrize("at", [(-15, 0), (0, 15)], ids=["even", "uneven"])
 def test_both_limbs_of_a_loop_have_lines_and_it_is_said(at):
     found = extract_centerline(a_loop(at))

@@ -147,7 +147,10 @@ def limbs_met(balls: InnerBalls, former: Indices) -> Indices:
         walked, widest = np.where(is_short, far, walked), np.where(is_short, wide, widest)
     before = onward[before]
     one, other = before[links].T
-    met = links[norm(centers[one] - centers[other]) > BACK * widest[links].max(axis=1)]
+    # What no way leads to has no limbs.
+    is_led_to = (former[links] >= 0).any(axis=1)
+    is_apart = norm(centers[one] - centers[other]) > BACK * widest[links].max(axis=1)
+    met = links[is_led_to & is_apart]
     some = np.unique(met)
     some = some[np.lexsort((*centers[some].T, radii[some]))[::-1]]
     rank = np.empty_like(own)
