@@ -354,16 +354,32 @@ def test_the_share_that_is_done_is_told_and_changes_nothing():
     assert 0 < shares[0] < shares[-1] < 1
 
 
-def test_a_hole_in_the_wall_lets_no_line_out():
-    """The largest balls lay outside of it, kilometers wide, and a line of minutes led there."""
+def tube_with_a_hole():
+    """Tube of 3 mm with a hole of 2 mm in its wall, and the middle of that."""
     tube = straight_tube(radius=3.0, length=30.0)
     middle = np.array([3.0, 0.0, tube.points[:, 2].mean()])
     corners = tube.points[tube.triangles]
     left = norm(corners.mean(axis=1) - middle) > 2.0
-    found = extract_centerline(Surface(tube.points, tube.triangles[left]))
+    return Surface(tube.points, tube.triangles[left]), middle
+
+
+def test_a_hole_in_the_wall_lets_no_line_out():
+    """The largest balls lay outside of it, kilometers wide, and a line of minutes led there."""
+    found = extract_centerline(tube_with_a_hole()[0])
     assert len(found.lines.lines) == 1
     assert norm(found.lines.points[:, :2]).max() < 1.0
     assert found.lines.inscribed_radius.max() < 3.5
+
+
+def test_a_hole_in_the_wall_that_is_named_is_an_end():
+    """A valve that leads into a wider chamber passes for a hole; its middle is far from all wall."""
+    surface, middle = tube_with_a_hole()
+    low = np.array([0.0, 0.0, surface.points[:, 2].min()])
+    lines = extract_centerline(surface, low, [middle]).lines
+    assert np.linalg.norm(lines.points[lines.lines[0][-1]] - middle) < 0.5
+    tree = extract_centerline(surface, inlet=middle).centerline
+    assert np.linalg.norm(tree.points[tree.roots[0]] - middle) < 0.5
+    assert len(tree.leaves) == 2
 
 
 def test_the_widest_end_is_the_inlet_though_a_narrow_one_is_open():

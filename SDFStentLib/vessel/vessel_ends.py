@@ -57,6 +57,11 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     surface : Surface
         mm; closed, open, or both at different ends.
     """
+    return _ends_and_holes(surface)[0]
+
+
+def _ends_and_holes(surface: Surface) -> tuple[list[VesselEnd], list[VesselEnd]]:
+    """The ends of a vessel, and where else its wall is open, the largest first."""
     triangles = surface.wound_triangles
     cap_of = np.full(len(triangles), -1)
     for number, cap in enumerate(caps_of(surface)):
@@ -65,7 +70,7 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     if not (shape.is_watertight and shape.is_orientable):
         rims = boundary_edges(triangles[cap_of < 0])
     elif not len(capped):
-        return []
+        return [], []
     else:
         # Where nothing else ends the faces beside a cap run along its rim the other way.
         rims = boundary_edges(triangles[capped])[:, ::-1]
@@ -82,14 +87,16 @@ def vessel_ends(surface: Surface) -> list[VesselEnd]:
     # A cap is known to be an end; a hole may be one in the wall.
     holes = [end for end in found if not len(end.faces)]
     spots = [spot(surface.points, end.rim, end.across, end.faces, end.center) for end in holes]
+    is_end = are_ends(surface, spots).tolist()
     ends = [end for end in found if len(end.faces)]
-    ends += [end for end, is_own in zip(holes, are_ends(surface, spots), strict=True) if is_own]
+    ends += [end for end, is_own in zip(holes, is_end, strict=True) if is_own]
+    holes = [hole for hole, is_own in zip(holes, is_end, strict=True) if not is_own]
     apart: list[VesselEnd] = []
     for end in sorted(ends, key=lambda end: -end.radius):
         # A rough cap falls to pieces; those within another one are no ends of their own.
         if all(np.linalg.norm(end.center - other.center) > other.radius for other in apart):
             apart.append(end)
-    return apart
+    return apart, sorted(holes, key=lambda hole: -hole.radius)
 
 
 def ends_without_line(ends: Sequence[VesselEnd], tree: Centerline) -> int:
@@ -124,6 +131,8 @@ class KnownEnds(NamedTuple):
     """The radius of the proximal end, mm; infinite for one that is named, which no wider one is."""
     radii: tuple[float, ...]
     """Radii of the proximal end, unless there is none, and of the others, mm; 0 for a place."""
+    holes: tuple[VesselEnd, ...]
+    """Where the wall is open besides, the widest first."""
 
 
 def line_seeds(
@@ -163,31 +172,44 @@ def known_ends(
     outlets : sequence of (3,) arrays
         Name the other ends; all that are found by default. A place away from every open end and
         flat cap stands for the point of the wall beside it, such as the tip of a rounded end.
+        A hole in the wall is an end where a place in it names it.
 
     Raises
     ------
     InputError
         An end is named that is not there or was named before.
     """
-    ends = vessel_ends(surface)
+    ends, holes = _ends_and_holes(surface)
+    first = None if inlet is None else _place(inlet, "inlet")
+    others = [_place(outlet, f"outlet {number}") for number, outlet in enumerate(outlets, 1)]
+    places = np.array([*([] if first is None else [first]), *others]).reshape(-1, 3)
+    is_named = [bool((norm(places - hole.center) < hole.radius).any()) for hole in holes]
+    ends += [hole for hole, is_own in zip(holes, is_named, strict=True) if is_own]
+    holes = [hole for hole, is_own in zip(holes, is_named, strict=True) if not is_own]
     closed = _closed(surface, ends)
     centers = (len(closed.points) - len(ends) + np.arange(len(ends))).tolist()
     start, radius = (centers[0], ends[0].radius) if ends else (None, 0.0)
-    if inlet is not None:
-        start, radius = _named(closed, ends, inlet, "inlet"), float("inf")
+    if first is not None:
+        start, radius = _named(closed, ends, first, "inlet"), float("inf")
     targets = [
-        _named(closed, ends, outlet, f"outlet {number}") for number, outlet in enumerate(outlets, 1)
+        _named(closed, ends, outlet, f"outlet {number}") for number, outlet in enumerate(others, 1)
     ] or [center for center in centers if center != start]
     if len({start, *targets}) != 1 + len(targets):
         raise InputError("ends: expected each to be named once; two places name the same end.")
     radius_of = dict(zip(centers, (end.radius for end in ends), strict=True))
     known = [radius_of.get(one, 0.0) for one in (start, *targets) if one is not None]
-    return KnownEnds(closed, start, tuple(targets), len(ends), radius, tuple(known))
+    return KnownEnds(
+        closed, start, tuple(targets), len(ends), radius, tuple(known), tuple(holes)
+    )
+
+
+def _place(place: Points, name: str) -> Points:
+    (found,) = as_points([place], name)
+    return np.asarray(found)
 
 
 def _named(closed: Surface, ends: list[VesselEnd], place: Points, name: str) -> int:
     """Index of a closed surface's point for a place; ends have its last points."""
-    (place,) = as_points([place], name)
     away = [float(np.linalg.norm(end.center - place)) for end in ends]
     number = away.index(min(away)) if ends else 0
     if ends and away[number] < max(BESIDE, 2 * ends[number].radius):
