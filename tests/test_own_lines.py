@@ -372,7 +372,7 @@ def test_a_hole_in_the_wall_lets_no_line_out():
 
 
 def test_a_hole_in_the_wall_that_is_named_is_an_end():
-    """A valve that leads into a wider chamber passes for a hole; its middle is far from all wall."""
+    """A valve that leads into a wider chamber passes for a hole; its middle is far from wall."""
     surface, middle = tube_with_a_hole()
     low = np.array([0.0, 0.0, surface.points[:, 2].min()])
     lines = extract_centerline(surface, low, [middle]).lines

@@ -198,9 +198,7 @@ def known_ends(
         raise InputError("ends: expected each to be named once; two places name the same end.")
     radius_of = dict(zip(centers, (end.radius for end in ends), strict=True))
     known = [radius_of.get(one, 0.0) for one in (start, *targets) if one is not None]
-    return KnownEnds(
-        closed, start, tuple(targets), len(ends), radius, tuple(known), tuple(holes)
-    )
+    return KnownEnds(closed, start, tuple(targets), len(ends), radius, tuple(known), tuple(holes))
 
 
 def _place(place: Points, name: str) -> Points:
