@@ -202,6 +202,14 @@ def test_the_balls_are_those_of_a_plain_search():
     assert (near < reach).all()  # two balls with points in common overlap
 
 
+def test_no_tips_are_judged_where_none_reaches_beyond_the_known_ends(monkeypatch):
+    """Half of the time that round ends took in a patient's tree, whose ends are all flat."""
+    judged = []
+    monkeypatch.setattr("SDFStentLib.centerline.tips.limbs_met", lambda *_: judged.append(1))
+    assert len(extract_centerline(stenosed_tube(3.0, 1.5, 20.0, 1.2).surface).lines.lines) == 1
+    assert judged == []
+
+
 def test_vessels_side_by_side_are_not_mixed_up():
     made = tube_with_neighbor()
     first = made.vessels[0].axis

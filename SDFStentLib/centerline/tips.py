@@ -65,6 +65,8 @@ class _Reach:
             way = self.beyond(peak, saddle)
             if self._length(way) > 2 * radii[way].max():
                 found.append(way)
+        if not found:
+            return []
         found.sort(key=lambda way: -self.reach[way[0]])
         met = centers[limbs_met(self.balls, self.former)[:, 0]]
         sides = _sides_at(wall, centers[[way[0] for way in found]])
