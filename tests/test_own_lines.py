@@ -305,14 +305,14 @@ def a_loop(at):
 def test_limbs_meet_at_the_same_place_however_balls_and_links_are_numbered(at):
     balls = inner_balls(a_loop(at))
     inlet = norm(balls.centers - [33.0, 0, 0]).argmin()
-    (wanted,) = balls.centers[WidestWays(balls, inlet).meetings()]
+    (wanted,) = balls.centers[WidestWays(balls, inlet).meetings]
     for seed in range(3):
         random = np.random.default_rng(seed)
         order = random.permutation(len(balls.radii))
         number = np.argsort(order)
         links = random.permutation(random.permuted(number[balls.links], axis=1))
         other = InnerBalls(balls.centers[order], balls.radii[order], links, balls.at_wall)
-        (met,) = other.centers[WidestWays(other, number[inlet]).meetings()]
+        (met,) = other.centers[WidestWays(other, number[inlet]).meetings]
         np.testing.assert_array_equal(met, wanted)
 
 
@@ -320,7 +320,7 @@ def test_balls_to_which_no_way_leads_are_no_limbs():
     centers = np.array([[0.0, 0, 0], [1.0, 0, 0], [50.0, 0, 0], [60.0, 0, 0]])
     links = np.array([[0, 1], [2, 3]])
     balls = InnerBalls(centers, np.ones(4), links, np.arange(4))
-    assert WidestWays(balls, 0).meetings().shape == (0, 2)
+    assert WidestWays(balls, 0).meetings.shape == (0, 2)
 
 
 @pytest.mark.parametrize("at", [(-15, 0), (0, 15)], ids=["even", "uneven"])

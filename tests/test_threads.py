@@ -16,9 +16,11 @@ from segmentations import FORK, voxels
 from tube_files import PLACE, write_tube
 
 from benchmarks.phantoms import hairpin_tube
+from SDFStentLib import extract_centerline
 from SDFStentLib.centerline import inner_balls
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_surface
+from SDFStentLib.geometry import Surface, compacted
 from SDFStentLib.scan import Labelmap, prepared_vessel
 from SDFStentLib.threads import ahead, cores, side_by_side, threads, use_threads
 from SDFStentLib.validation import InputError
@@ -190,6 +192,23 @@ def test_a_vessel_from_voxels_is_the_same_with_any_number(two_threads):
     assert np.array_equal(one.surface.points, two.surface.points)
     assert np.array_equal(one.surface.triangles, two.surface.triangles)
     assert np.array_equal(one.lines.points, two.lines.points)
+
+
+@pytest.mark.parametrize("narrow", [2.0, 3.5], ids=["as known", "another one"])
+def test_lines_are_the_same_with_any_number(narrow):
+    """Ways are begun at the known inlet, and anew where a round end is wider than that."""
+    tube = contoured([((0, 0, 0), (0, 0, 30), 3.0, narrow)], 0.4)
+    middles = tube.points[tube.triangles].mean(axis=1)
+    surface = Surface(*compacted(tube.points, tube.triangles[middles[:, 2] > 0]))
+    lines = []
+    for count in (1, 2):
+        use_threads(count)
+        lines.append(extract_centerline(surface).lines)
+        use_threads(1)
+    one, two = lines
+    assert np.array_equal(one.points, two.points)
+    assert np.array_equal(one.inscribed_radius, two.inscribed_radius)
+    assert one.points[one.lines[0][0]][2] < 5 if narrow < 3 else one.points[one.lines[0][0]][2] > 25
 
 
 def test_one_thread_does_nothing_ahead():

@@ -8,12 +8,13 @@ two ways that meet are the same from there to the inlet.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import component_labels, norm
-from ..validation import Floats, Indices, Points
+from ..geometry import component_labels, norm, search_tree
+from ..validation import Flags, Floats, Indices, Points
 from .inner_balls import InnerBalls
 
 NEAR = 32
@@ -38,11 +39,9 @@ class ExtractedLines(NamedTuple):
 
 def with_places(balls: InnerBalls, places: Points) -> InnerBalls:
     """The balls, and behind them one for each place (k, 3), linked to the ball beside it."""
-    from scipy.spatial import cKDTree
-
     labels = component_labels(len(balls.radii), balls.links[:, 0], balls.links[:, 1])
     sizes = np.bincount(labels)
-    near = cKDTree(balls.centers).query(places, k=min(NEAR, len(balls.radii)))[1]
+    near = search_tree(balls.centers).query(places, k=min(NEAR, len(balls.radii)))[1]
     near = near.reshape(len(places), min(NEAR, len(balls.radii)))
     beside = near[np.arange(len(places)), sizes[labels[near]].argmax(axis=1)]
     own = len(balls.radii) + np.arange(len(places))
@@ -67,10 +66,23 @@ class WidestWays:
 
     def __init__(self, balls: InnerBalls, inlet: int) -> None:
         self.balls, self.inlet = balls, inlet
-        one, other = balls.links.T
-        costs = balls.link_lengths * (1 / balls.radii[one] + 1 / balls.radii[other]) / 2
-        cost, self._former = cheapest(balls.links, costs, len(balls.radii), inlet)
-        self.is_reached = np.isfinite(cost)
+
+    @cached_property
+    def _cheapest(self) -> tuple[Floats, Indices]:
+        one, other = self.balls.links.T
+        radii = self.balls.radii
+        costs = self.balls.link_lengths * (1 / radii[one] + 1 / radii[other]) / 2
+        return cheapest(self.balls.links, costs, len(radii), self.inlet)
+
+    @property
+    def _former(self) -> Indices:
+        """The ball (n,) before each, negative at the inlet."""
+        return self._cheapest[1]
+
+    @cached_property
+    def is_reached(self) -> Flags:
+        """Mask (n,) of the balls to which a way leads."""
+        return np.isfinite(self._cheapest[0])
 
     def tree(self, ends: Sequence[int]) -> list[Indices]:
         """Ways to some balls as a tree: where they part, the widest goes on and others begin.
@@ -89,6 +101,7 @@ class WidestWays:
                 ball = above
         return list(_parted(self.inlet, children, self._widths(children)))
 
+    @cached_property
     def meetings(self) -> Indices:
         """Pairs (j, 2) of balls, `limbs_met` of these ways."""
         return limbs_met(self.balls, self._former)
@@ -131,26 +144,27 @@ def limbs_met(balls: InnerBalls, former: Indices) -> Indices:
     centers, radii, links, _ = balls
     own = np.arange(len(radii))
     onward = np.where(former >= 0, former, own)
-    strides = [(onward, norm(centers[onward] - centers), radii[onward])]
+    # `take` is quicker than an index in brackets.
+    strides = [(onward, norm(centers.take(onward, axis=0) - centers), radii.take(onward))]
     # Ends: strides double until they are long enough, or lead to where all begin.
     while (is_short := strides[-1][1] < BACK * strides[-1][2]).any():
         after, length, width = strides[-1]
-        if not is_short[after != after[after]].any():
+        if not is_short[after != after.take(after)].any():
             break
-        width = np.maximum(width, width[after])
-        strides.append((after[after], length + length[after], width))
+        width = np.maximum(width, width.take(after))
+        strides.append((after.take(after), length + length.take(after), width))
     before, walked, widest = own, np.zeros(len(radii)), radii
     for after, length, width in reversed(strides):
-        far, wide = walked + length[before], np.maximum(widest, width[before])
+        far, wide = walked + length.take(before), np.maximum(widest, width.take(before))
         is_short = far < BACK * wide
-        before = np.where(is_short, after[before], before)
+        before = np.where(is_short, after.take(before), before)
         walked, widest = np.where(is_short, far, walked), np.where(is_short, wide, widest)
-    before = onward[before]
-    one, other = before[links].T
+    before = onward.take(before)
+    one, other = before.take(links).T
+    away = norm(centers.take(one, axis=0) - centers.take(other, axis=0))
     # What no way leads to has no limbs.
-    is_led_to = (former[links] >= 0).any(axis=1)
-    is_apart = norm(centers[one] - centers[other]) > BACK * widest[links].max(axis=1)
-    met = links[is_led_to & is_apart]
+    is_led_to = (former.take(links) >= 0).any(axis=1)
+    met = links[is_led_to & (away > BACK * widest.take(links).max(axis=1))]
     some = np.unique(met)
     some = some[np.lexsort((*centers[some].T, radii[some]))[::-1]]
     rank = np.empty_like(own)

@@ -20,6 +20,7 @@ from ..centerline import (
 )
 from ..geometry import Line, Surface, as_surface, norm
 from ..lumen import ALIKE, inscribed_spheres
+from ..threads import ahead
 from ..validation import (
     DeploymentError,
     Flags,
@@ -104,18 +105,18 @@ def extract_centerline(
     show(OPEN)
     goals = _goals(seeds, bool(named), show)
     show(ENDS)
-    ways = WidestWays(goals.balls, goals.inlet)
+    ways = goals.ways
     reached = [end for end in goals.ends if ways.is_reached[end]]
     apart = [end for end in goals.ends if not ways.is_reached[end]]
     if apart and (named or not reached):
         raise DeploymentError(
             "no centerline found: the lumen does not lead to the end at "
-            f"{coordinates(goals.balls.centers[apart[0]])} mm; look for holes and folds with "
+            f"{coordinates(ways.balls.centers[apart[0]])} mm; look for holes and folds with "
             "sdfstent check."
         )
     # Of ends that are named, the one way is meant.
-    meetings = ways.meetings() if not named else np.empty((0, 2), dtype=np.int64)
-    drawn = _Drawing(ways.tree([*reached, *meetings.ravel().tolist()]), *goals.balls[:2])
+    meetings = ways.meetings if not named else np.empty((0, 2), dtype=np.int64)
+    drawn = _Drawing(ways.tree([*reached, *meetings.ravel().tolist()]), *ways.balls[:2])
     show(DRAWN)
     triangles = seeds.surface.wound_triangles
     # The middles of ends, the last points, are new; nothing shall limit the spheres there.
@@ -125,20 +126,18 @@ def extract_centerline(
     for limb, other in meetings.tolist():
         last = drawn.line_to(limb)
         lines += [last, np.append(drawn.line_to(other), last[-1])]
-    warnings = _cautions(goals, ways, len(apart), meetings)
+    warnings = _cautions(goals, len(apart), meetings)
     return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), warnings)
 
 
-def _cautions(
-    goals: _Goals, ways: WidestWays, apart: int, meetings: Indices
-) -> tuple[Caution, ...]:
+def _cautions(goals: _Goals, apart: int, meetings: Indices) -> tuple[Caution, ...]:
     """Cautions on lines, by the number of ends that are apart and the balls at which limbs meet."""
-    centers, radii, *_ = goals.balls
+    centers, radii, *_ = goals.ways.balls
     found = [Caution("ends-apart", {"count": apart})] if apart else []
     if len(meetings):
         place = as_place(centers[meetings[0, 0]])
         found.append(Caution("limbs-meet", {"count": len(meetings)}, place))
-    widest = int(np.where(ways.is_reached, radii, 0.0).argmax())
+    widest = int(np.where(goals.ways.is_reached, radii, 0.0).argmax())
     if radii[widest] > ANEURYSM * goals.inlet_radius:
         # An end as short as it is wide, with a round rim, looks like an aneurysm.
         lumen, inlet = 2 * float(radii[widest]), 2 * goals.inlet_radius
@@ -148,10 +147,9 @@ def _cautions(
 
 
 class _Goals(NamedTuple):
-    """Balls of a lumen between which lines are drawn."""
+    """Ways through a lumen from its inlet, and the balls at its other ends."""
 
-    balls: InnerBalls
-    inlet: int
+    ways: WidestWays
     ends: list[int]
     inlet_radius: float
     """Radius of the inlet, mm; infinite where a place names it."""
@@ -205,9 +203,13 @@ def _goals(seeds: KnownEnds, are_named: bool, show: Callable[[float], None]) -> 
     if given:
         balls = with_places(balls, seeds.surface.points[given])
     goals, radius = known, seeds.inlet_radius
+    likely = WidestWays(balls, int(known[0])) if given else None
     if not are_named:
+        # The ways, unless more is found than is known; looking for that takes longer.
+        settle = ahead(lambda: likely and likely.meetings)
         begin = None if seeds.inlet is None else int(known[0])
         found = _found_ends(closed, balls, begin, known, seeds.radii)
+        settle()
         balls = found.balls
         # A spot of two triangles that lie in one plane may pass for a flat end.
         is_wider = found.radii.max(initial=0.0) > ALIKE * radius
@@ -219,7 +221,10 @@ def _goals(seeds: KnownEnds, are_named: bool, show: Callable[[float], None]) -> 
             f"{len(goals)}; cut the ends flat, or name the inlet and every outlet."
         )
     inlet, *ends = goals.tolist()
-    return _Goals(balls, inlet, ends, radius or np.inf)
+    ways = WidestWays(balls, inlet)
+    if likely is not None and likely.balls is balls and likely.inlet == inlet:
+        ways = likely
+    return _Goals(ways, ends, radius or np.inf)
 
 
 class _Drawing:
