@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from .units import in_file
-from .validation import InputError, Place, PlainNumbers
+from .validation import Place, PlainNumbers
 
 _AT = "({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}"
 _BESIDE = f"lies {{distance_mm:.1f}} mm beside the centerline; its nearest place, {_AT}, was taken."
@@ -341,10 +341,3 @@ def by_gravity(cautions: Iterable[Caution]) -> list[Caution]:
     """The same, the gravest first."""
     order = {kind: place for place, kind in enumerate(GRAVEST)}
     return sorted(cautions, key=lambda caution: order.get(caution.kind, len(order)))
-
-
-def reason_of(error: Exception, units: str) -> str:
-    """The sentence of a refusal, its place also in the unit of the file."""
-    if isinstance(error, InputError):
-        return error.sentence({}, in_file(error.place, units))
-    return str(error)

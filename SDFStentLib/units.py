@@ -60,3 +60,10 @@ def in_file(place: Place | None, units: str) -> str:
         return ""
     numbers = coordinates([value / MILLIMETERS[units] for value in place])
     return f" (in the file {numbers[1:-1]} {units})"
+
+
+def reason_of(error: Exception, units: str) -> str:
+    """The sentence of a refusal, its place also in the unit of the file."""
+    if isinstance(error, InputError):
+        return error.sentence({}, in_file(error.place, units))
+    return str(error)

@@ -18,9 +18,9 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from ..cautions import reason_of
 from ..plan import InputFiles, Plan, PlanResult, plan_text, read_plan_inputs, treatment_of
 from ..report import flow_columns, flow_section, no_views, plan_report, stent_rows
+from ..units import reason_of
 from ..validation import DeploymentError, InputError
 from ..version import VERSION
 from .axes import label

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..cautions import reason_of
+from ..units import reason_of
 from ..validation import DeploymentError, InputError, check_is_a, in_short
 from .inputs import InputFiles, as_planned, plan_files
 from .plan import Plan
