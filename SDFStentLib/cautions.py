@@ -17,6 +17,10 @@ _BESIDE = f"lies {{distance_mm:.1f}} mm beside the centerline; its nearest place
 TEMPLATES = {
     "ends-apart": "Ends of parts that hang free: {count}. No line leads there.",
     "limbs-meet": f"Limbs that meet again: {{count}}, one near {_AT}; part vessels that touch.",
+    "vessels-touch": (
+        f"Two vessels may be one at {_AT}, by an opening {{opening_mm:.1f}} mm wide: lines lead "
+        "through it; where they only touch, part them there."
+    ),
     "inlet-narrow": (
         f"The inlet is {{inlet_mm:.1f}} mm wide, the lumen {{diameter_mm:.1f}} at {_AT}; if that "
         "is where the vessel begins, cut it flat there, or name its tip as the inlet."

@@ -21,6 +21,7 @@ from .root import Widths as Widths
 from .stretches import LumenStretch as LumenStretch
 from .stretches import joined_lumens as joined_lumens
 from .tips import round_ends as round_ends
+from .touching import touching_vessels as touching_vessels
 from .widest_ways import ExtractedLines as ExtractedLines
 from .widest_ways import WidestWays as WidestWays
 from .widest_ways import with_places as with_places

@@ -101,6 +101,14 @@ class WidestWays:
                 ball = above
         return list(_parted(self.inlet, children, self._widths(children)))
 
+    def to(self, end: int) -> Indices:
+        """The balls of the way to one of them, from the inlet on."""
+        way = [end]
+        # Ends: ways lead back to the inlet.
+        while (above := int(self._former[way[-1]])) >= 0:
+            way.append(above)
+        return np.array(way[::-1])
+
     @cached_property
     def meetings(self) -> Indices:
         """Pairs (j, 2) of balls, `limbs_met` of these ways."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import dist
 
 import numpy as np
 
@@ -140,6 +141,7 @@ def prepared_vessel(
         for face in caps
     ]
     dead = [end for end, plane in zip(ends, made.planes, strict=True) if plane is None]
+    of_label = _of_label(piece, flat)
     return PreparedVessel(
         wall,
         segment.named_faces,
@@ -147,8 +149,8 @@ def prepared_vessel(
         tuple(flat),
         labelmap.spacing,
         (
-            *_of_label(piece, flat),
-            *_moved(part, (*_of_parts(wall_parts), *found.warnings)),
+            *of_label,
+            *_not_told(of_label, _moved(part, (*_of_parts(wall_parts), *found.warnings))),
             *_of_ends(part, dead),
         ),
     )
@@ -239,6 +241,18 @@ def _of_parts(wall: LargestPart) -> list[Caution]:
 def _of_ends(part: Labelmap, dead: Sequence[RoundEnd]) -> list[Caution]:
     places = [part.in_patient(end.line.points[:1])[0] for end in dead]
     return [Caution("dead-end", {}, as_place(place)) for place in places]
+
+
+def _not_told(known: Sequence[Caution], cautions: Sequence[Caution]) -> list[Caution]:
+    """Cautions without those on openings in which there is a thin bridge that is known."""
+    bridges = [one.place for one in known if one.kind == "thin-bridge" and one.place]
+    return [
+        one
+        for one in cautions
+        if one.kind != "vessels-touch"
+        or not one.place
+        or all(dist(one.place, at) > float(one.numbers["opening_mm"]) for at in bridges)
+    ]
 
 
 def _moved(part: Labelmap, cautions: Sequence[Caution]) -> list[Caution]:

@@ -16,6 +16,7 @@ from ..centerline import (
     WidestWays,
     inner_balls,
     round_ends,
+    touching_vessels,
     with_places,
 )
 from ..geometry import Line, Surface, as_surface, norm
@@ -116,7 +117,8 @@ def extract_centerline(
         )
     # Of ends that are named, the one way is meant.
     meetings = ways.meetings if not named else np.empty((0, 2), dtype=np.int64)
-    drawn = _Drawing(ways.tree([*reached, *meetings.ravel().tolist()]), *ways.balls[:2])
+    tree = ways.tree([*reached, *meetings.ravel().tolist()])
+    drawn = _Drawing(tree, *ways.balls[:2])
     show(DRAWN)
     triangles = seeds.surface.wound_triangles
     # The middles of ends, the last points, are new; nothing shall limit the spheres there.
@@ -126,24 +128,25 @@ def extract_centerline(
     for limb, other in meetings.tolist():
         last = drawn.line_to(limb)
         lines += [last, np.append(drawn.line_to(other), last[-1])]
-    warnings = _cautions(goals, len(apart), meetings)
-    return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), warnings)
+    warnings = _cautions(goals, len(apart), meetings, tree)
+    return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), tuple(warnings))
 
 
-def _cautions(goals: _Goals, apart: int, meetings: Indices) -> tuple[Caution, ...]:
-    """Cautions on lines, by the number of ends that are apart and the balls at which limbs meet."""
+def _cautions(goals: _Goals, apart: int, meetings: Indices, tree: list[Indices]) -> list[Caution]:
+    """Cautions by the number of ends apart, the balls at which limbs meet, and the ways drawn."""
     centers, radii, *_ = goals.ways.balls
     found = [Caution("ends-apart", {"count": apart})] if apart else []
     if len(meetings):
         place = as_place(centers[meetings[0, 0]])
         found.append(Caution("limbs-meet", {"count": len(meetings)}, place))
+    for one in touching_vessels(goals.ways, tree):
+        found.append(Caution("vessels-touch", {"opening_mm": one.diameter}, as_place(one.place)))
     widest = int(np.where(goals.ways.is_reached, radii, 0.0).argmax())
     if radii[widest] > ANEURYSM * goals.inlet_radius:
         # An end as short as it is wide, with a round rim, looks like an aneurysm.
-        lumen, inlet = 2 * float(radii[widest]), 2 * goals.inlet_radius
-        numbers = {"diameter_mm": lumen, "inlet_mm": inlet}
+        numbers = {"diameter_mm": 2 * float(radii[widest]), "inlet_mm": 2 * goals.inlet_radius}
         found.append(Caution("inlet-narrow", numbers, as_place(centers[widest])))
-    return tuple(found)
+    return found
 
 
 class _Goals(NamedTuple):
