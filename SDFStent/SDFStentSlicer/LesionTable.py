@@ -3,10 +3,12 @@
 from slicer.i18n import tr as _
 
 from SDFStentLib.report import NO_LESION, lesion_facts, voxel_facts
+from SDFStentLib.validation import printable
 
 from . import Clock, Showing
 from .Desktop import desktop
 from .LesionMarks import LesionMarks
+from .PanelParts import tellOnce
 from .Portions import SteppedRun, working
 
 LEAST, ROW = 72, 24
@@ -156,8 +158,8 @@ class LesionTable:
         self._reach(len(rows))
         table.visible = len(rows) > 0
         self._offer()
-        self.ui.lesionLabel.text = sentence
-        self.ui.lesionLabel.visible = bool(sentence)
+        self.ui.lesionLabel.text = printable(sentence)
+        tellOnce(self.ui)
 
     def _ranged(self, search):
         """Tell how exact voxels let the lesions of a vessel be known; yields until that is known."""

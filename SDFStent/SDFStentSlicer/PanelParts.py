@@ -13,6 +13,12 @@ def cut(text, longest):
     return text if len(text) <= longest else text[: longest - 1] + "\N{HORIZONTAL ELLIPSIS}"
 
 
+def tellOnce(ui):
+    """Show the sentence on lesions, but not while the line below *Deploy* tells the same."""
+    told = ui.statusLabel.text.splitlines()
+    ui.lesionLabel.visible = any(line not in told for line in ui.lesionLabel.text.splitlines())
+
+
 class RunButton:
     """Begins something long; while that runs the button says how far it is, and another click stops it.
 

@@ -19,7 +19,7 @@ from SDFStentLib.report import WARNING
 from SDFStentLib.validation import one_line, printable
 
 from . import Charts, Conversion, Flow, FormerScenes, Showing, Tiles
-from .PanelParts import cut
+from .PanelParts import cut, tellOnce
 from .ParameterNode import methodOf, stentOf, stentsOf
 from .PlanFields import DEFAULTS, METHOD, METHOD_PARAMETERS, Placement
 
@@ -280,6 +280,7 @@ class PanelState:
         sentences = [standing.missing, former, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
+        tellOnce(self.ui)
         self._size.fit()
 
 

@@ -49,8 +49,10 @@ def test_lesions_are_not_said_to_be_none_by_a_centerline_of_another_vessel(
     settle(host, aPanel)
     assert WORDS in ui.lesionLabel.text
     assert not ui.lesionTable.visible
+    assert ui.lesionLabel.visible
     host.click(ui.addStentButton)
     assert WORDS in ui.statusLabel.text
+    assert not ui.lesionLabel.visible  # it is told where something was asked for
     assert len(aPanel._parameterNode.stents) == 0
     ui.centerlineSelector.setCurrentNode(aVessel[1])
     settle(host, aPanel)
@@ -73,6 +75,7 @@ def test_a_vessel_that_is_changed_under_its_stents_is_shown_as_it_is(host, aSten
         host.click(ui.deployButton)
         settle(host, aStent)
     assert WORDS in ui.statusLabel.text
+    assert not ui.lesionLabel.visible  # it had been told twice
     assert not parameters.certificateSummary or not isLive
     assert "certified" not in aStent._state.atHand.text
     if isLive:
