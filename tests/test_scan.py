@@ -4,6 +4,7 @@ import gzip
 import json
 import struct
 import tracemalloc
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -18,7 +19,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.certificate import check_surface, self_intersecting_triangles
 from SDFStentLib.cli import main
 from SDFStentLib.files import read_lines, read_surface
-from SDFStentLib.geometry import edges, signed_volume
+from SDFStentLib.geometry import Surface, edges, signed_volume
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.scan import (
     Labelmap,
@@ -31,7 +32,8 @@ from SDFStentLib.scan import (
 from SDFStentLib.scan.contour import unfolded
 from SDFStentLib.scan.ends import flat_ends, round_ends_of
 from SDFStentLib.scan.wall_distance import SHARE, WIDTHS
-from SDFStentLib.validation import InputError
+from SDFStentLib.segment import closed_segment
+from SDFStentLib.validation import DeploymentError, InputError
 
 SIDE = 0.9
 """Of the voxels of the fork, mm."""
@@ -281,11 +283,72 @@ def test_a_fault_has_its_place_in_the_patient(fork, monkeypatch):
         judged.append(surface.points)
         return check_surface(surface)
 
-    monkeypatch.setattr("SDFStentLib.scan.prepared.check_surface", judge)
     mask, low = fork
     axes = np.diag([-1.0, 1.0, -1.0])
-    found = prepared_vessel(labelmap(mask, SIDE, axes @ low, axes))
+    label = labelmap(mask, SIDE, axes @ low, axes)
+    found = prepared_vessel(label)
+    monkeypatch.setattr("SDFStentLib.scan.prepared.check_surface", judge)
+    monkeypatch.setattr(
+        "SDFStentLib.scan.prepared.flat_ends",
+        lambda *given: flat_ends(*given)._replace(is_sound=False),
+    )
+    with pytest.raises(DeploymentError, match="expected a sound surface"):
+        prepared_vessel(label)
     np.testing.assert_array_equal(judged[0], found.surface.points)
+
+
+def test_a_plane_that_spoils_the_wall_makes_place_for_the_next_one(fork, monkeypatch):
+    made = []
+
+    def spoiled_at_first(opened):
+        segment = closed_segment(opened)
+        if not made:
+            (cap,) = (face.number for face in segment.faces if face.said == "1")
+            points = segment.surface.points.copy()
+            first, second, third = segment.surface.triangles[segment.face_ids == cap][0]
+            points[first] = (points[second] + points[third]) / 2
+            segment = replace(segment, surface=Surface(points, segment.surface.triangles))
+        made.append({plane.name: plane.origin for plane in opened.planes})
+        return segment
+
+    monkeypatch.setattr("SDFStentLib.scan.ends.closed_segment", spoiled_at_first)
+    mask, low = fork
+    found = prepared_vessel(labelmap(mask, SIDE, low))
+    assert check_surface(found.surface).passed
+    assert len(found.ends) == 3
+    assert len(made) == 2
+    moved = {name: np.linalg.norm(made[1][name] - made[0][name]) for name in made[0]}
+    assert moved["0"] == moved["2"] == 0.0
+    assert 0.1 < moved["1"] < 2.0
+
+
+def test_an_end_that_a_handle_leads_round_is_cut_beyond_it():
+    """A closed ring beside the end, as of a stump that touches again: nothing was cut off there."""
+    ring = [
+        ((3, 0, 2), (11, 0, 2), 2, 2),
+        ((11, 0, 2), (11, 0, 9), 2, 2),
+        ((11, 0, 9), (3, 0, 9), 2, 2),
+    ]
+    mask, low = voxels([((0, 0, 0), (0, 0, 44), 6, 6), *ring], 1.0)
+    found = prepared_vessel(labelmap(mask, 1.0, low))
+    low_end = min(found.ends, key=lambda end: end.center[2])
+    assert 8.0 < low_end.center[2] < 12.0
+    assert low_end.diameter == pytest.approx(12.0, abs=1.0)
+
+
+@pytest.mark.parametrize("depth", [1, 2, 3])
+def test_a_hollow_in_the_last_slice_of_the_image_is_no_tunnel_beside_its_end(depth):
+    """Prolonged beyond the image, it led round the plane of that end, or lines ended beside it."""
+    mask, low = voxels([((0, 0, 0), (0, 0, 40), 7, 7)], 1.0)
+    x, y, z = np.round(-low).astype(int)
+    mask = mask[:, :, z + 8 :].copy()
+    mask[x - 2 : x + 3, y + 2 : y + 4, :depth] = False
+    mask[x - 2 : x + 3, y + 2 :, depth - 1 : depth + 1] = False  # it comes out at the side
+    found = prepared_vessel(labelmap(mask))
+    first, last = sorted(found.ends, key=lambda end: end.center[2])
+    assert first.center[2] < 1.0
+    assert first.diameter == pytest.approx(12.7, abs=0.7)
+    assert last.diameter == pytest.approx(13.7, abs=0.3)
 
 
 def test_where_the_image_ends_the_vessel_is_cut_along_its_border(fork):

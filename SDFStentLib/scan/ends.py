@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from ..centerline import Centerline, distal_ends
+from ..certificate import SurfaceCheck, check_surface
 from ..geometry import Line, Surface, norm
 from ..segment import (
     CutPlane,
@@ -74,6 +74,8 @@ class FlatEnds(NamedTuple):
     """Segment, of whose faces the inlet comes first."""
     planes: tuple[CutPlane | None, ...]
     """The plane of each end; where none cuts one vessel alone the end stays as it is."""
+    is_sound: bool
+    """Whether the surface is closed and none of its triangles fails."""
 
 
 def round_ends_of(tree: Centerline, borders: Sequence[Border]) -> list[RoundEnd]:
@@ -89,6 +91,14 @@ def round_ends_of(tree: Centerline, borders: Sequence[Border]) -> list[RoundEnd]
         cuts = [one for one in borders if one.beyond(points[0]) > -radius]
         found.append(RoundEnd(Line(points), numbers, radius, cuts[0] if cuts else None))
     return found
+
+
+class _FoundPlane(NamedTuple):
+    """A plane that meets one vessel alone."""
+
+    plane: CutPlane
+    area: float
+    """Area of the lumen in it, mm^2."""
 
 
 def flat_ends(
@@ -112,45 +122,76 @@ def flat_ends(
     """
     parts = vessel_parts(surface, tree)
     finder = PlaneFinder(parts)
-    found = side_by_side(partial(_plane, finder), ends)
-    planes = [None if one is None else one.plane for one in found]
-    cut, opened = _bounding(parts, ends, planes)
-    if opened is None or len(cut) < 2:
-        raise InputError(
-            f"segmentation: expected a vessel with two ends or more that a plane cuts off across, "
-            f"found {len(cut)}; trim the segment, or label one vessel alone."
-        )
-    if inlet is None:
-        first = max(sorted(cut), key=lambda number: one.area if (one := found[number]) else 0.0)
-    else:
-        first = _named(ends, planes, inlet)
-    ordered = sorted(cut, key=lambda number: (number != first, number))
-    places = [cut.index(number) for number in ordered]
-    numbered = {
-        place: replace(opened.planes[place], name=str(number))
-        for number, place in enumerate(places)
-    }
-    segment = closed_segment(opened.with_planes(numbered))
+    ways = [_planes(finder, end) for end in ends]
+    found = side_by_side(_next, ways)
+    # Ends: each way has an end, and with one plane less each time.
+    while True:
+        cut, opened = _bounding(parts, ends, found, ways)
+        planes = tuple(None if one is None else one.plane for one in found)
+        if opened is None or len(cut) < 2:
+            raise InputError(
+                "segmentation: expected a vessel with two ends or more that a plane cuts off "
+                f"across, found {len(cut)}; trim the segment, or label one vessel alone."
+            )
+        if inlet is None:
+            first = max(sorted(cut), key=lambda number: one.area if (one := found[number]) else 0.0)
+        else:
+            first = _named(ends, planes, inlet)
+        ordered = sorted(cut, key=lambda number: (number != first, number))
+        places = [cut.index(number) for number in ordered]
+        numbered = {
+            place: replace(opened.planes[place], name=str(number))
+            for number, place in enumerate(places)
+        }
+        segment = closed_segment(opened.with_planes(numbered))
+        check = check_surface(segment.surface)
+        faulty = [] if check.passed else [ordered[number] for number in _faulty(segment, check)]
+        if not faulty:
+            break
+        for number in faulty:
+            found[number] = _next(ways[number])
     name = next(face.name for face in segment.faces if face.said == "0")
-    return FlatEnds(replace(segment, faces=with_inlets(segment.faces, [name])), tuple(planes))
+    faces = with_inlets(segment.faces, [name])
+    is_sound = check.passed and check.is_watertight
+    return FlatEnds(replace(segment, faces=faces), planes, is_sound)
+
+
+def _faulty(segment: Segment, check: SurfaceCheck) -> list[int]:
+    """Numbers of the planes at whose caps triangles fail: they graze the wall there."""
+    faults = (
+        check.inverted_triangles, check.degenerate_triangles, check.self_intersecting_triangles,
+    )  # fmt: skip
+    triangles = segment.surface.triangles
+    beside = np.isin(triangles, triangles[np.concatenate(faults)]).any(axis=1)
+    touched = set(segment.face_ids[beside].tolist())
+    caps = (face for face in segment.faces if face.said.isdecimal())
+    return [int(face.said) for face in caps if face.number in touched]
 
 
 def _bounding(
-    parts: VesselParts, ends: Sequence[RoundEnd], planes: list[CutPlane | None]
+    parts: VesselParts,
+    ends: Sequence[RoundEnd],
+    found: list[_FoundPlane | None],
+    ways: Sequence[Iterator[_FoundPlane]],
 ) -> tuple[list[int], OpenSegment | None]:
-    """Numbers of the planes that bound a segment together, and that. The others become None: those
-    beyond another one, which lies close to a junction and has cut off their vessel, too; of two
-    that meet that of the shorter end."""
+    """Numbers of the planes that bound a segment together, and that.
+
+    A plane that parts nothing, as where a tunnel in the wall leads round it, makes place for the
+    next one of its way. The others become None: those beyond another one, which lies close to a
+    junction and has cut off their vessel, too; of two that meet that of the shorter end.
+    """
     lengths = [end.line.length / end.radius for end in ends]
-    order = sorted(range(len(planes)), key=lambda n: -lengths[n])
-    # Ends: with one plane less each time.
+    order = sorted(range(len(found)), key=lambda n: -lengths[n])
+    # Ends: each way has an end, and with one plane less each time.
     while True:
-        own = [n for n in order if planes[n]]
-        made = bounded(parts, [one for n in own if (one := planes[n])])
+        own = [n for n in order if found[n]]
+        planes = [one.plane for n in own if (one := found[n])]
+        made = bounded(parts, planes)
         if not made.apart:
             return own, made.segment
         for number in made.apart:
-            planes[own[number]] = None
+            parts_nothing = bool(bounded(parts, [planes[number]]).apart)
+            found[own[number]] = _next(ways[own[number]]) if parts_nothing else None
 
 
 def _named(ends: Sequence[RoundEnd], planes: Sequence[CutPlane | None], inlet: Points) -> int:
@@ -171,25 +212,17 @@ def _named(ends: Sequence[RoundEnd], planes: Sequence[CutPlane | None], inlet: P
     return number
 
 
-class _FoundPlane(NamedTuple):
-    """A plane that meets one vessel alone."""
+def _planes(finder: PlaneFinder, end: RoundEnd) -> Iterator[_FoundPlane]:
+    """The planes from an end inward that meet its vessel alone, at its whole width.
 
-    plane: CutPlane
-    area: float
-    """Area of the lumen in it, mm^2."""
-
-
-def _plane(finder: PlaneFinder, end: RoundEnd) -> _FoundPlane | None:
-    """The first plane from an end inward that meets its vessel alone, at its whole width.
-
-    Where lines part at once, as in a wide trunk, the last one before that.
+    Where lines part at once, as in a wide trunk, the last ones before that.
     """
     if end.border is not None:
         at = _crossing(end.line.points, end.border)
         if (found := _found(finder, at, end.border.normal)) is not None:
-            return found
+            yield found
         if end.border.beyond(end.line.points[-1]) > 0:
-            return None
+            return
     line, early = end.line, []
     for tried in finder.steps(line):
         if tried.along > WITHIN * line.length:
@@ -200,11 +233,14 @@ def _plane(finder: PlaneFinder, end: RoundEnd) -> _FoundPlane | None:
             early.append(tried)
             continue
         if (found := _found(finder, tried.place, tried.direction)) is not None:
-            return found
+            yield found
     for tried in reversed(early):
         if (found := _found(finder, tried.place, tried.direction)) is not None:
-            return found
-    return None
+            yield found
+
+
+def _next(way: Iterator[_FoundPlane]) -> _FoundPlane | None:
+    return next(way, None)
 
 
 def _found(finder: PlaneFinder, origin: Points, normal: Floats) -> _FoundPlane | None:

@@ -126,7 +126,9 @@ def prepared_vessel(
     start = None if inlet is None else _in_axes(part, inlet)
     made = flat_ends(rough, tree, ends, start)
     segment = made.segment
-    wall = _sound(_in_patient(part, segment.surface))
+    wall = _in_patient(part, segment.surface)
+    if not made.is_sound:
+        raise _unsound(wall)
     caps = [face for face in segment.faces if face.kind != "wall"]
     middles = np.array([face.center for face in caps])
     points, each, radii = lines_between(tree, ends, made.planes, middles)
@@ -170,13 +172,20 @@ def _surface(piece: LabelPiece) -> LargestPart:
 
 
 def _with_room(piece: LabelPiece) -> Labelmap:
-    """The label with empty voxels round it; where the image cuts it, it goes on straight."""
-    part, mask = piece.labelmap, piece.labelmap.mask
-    for axis, cuts in enumerate(piece.is_cut):
-        for side, is_cut in enumerate(cuts):
-            width = [(0, 0)] * 3
-            width[axis] = (AROUND, 0) if side == 0 else (0, AROUND)
-            mask = np.pad(mask, width, mode="edge" if is_cut else "constant")
+    """The label with empty voxels round it; where the image cuts it, it goes on straight.
+
+    Hollows in its last slice there do not: they would be tunnels round the plane of that end.
+    """
+    from scipy.ndimage import binary_fill_holes
+
+    part = piece.labelmap
+    mask = np.pad(part.mask, AROUND)
+    for axis, (first, last) in enumerate(piece.is_cut):
+        along = np.moveaxis(mask, axis, 0)
+        if first:
+            along[: AROUND + 1] = binary_fill_holes(along[AROUND])
+        if last:
+            along[-AROUND - 1 :] = binary_fill_holes(along[-AROUND - 1])
     origin = part.in_patient(-AROUND * part.spacing[None])[0]
     return Labelmap(mask, part.spacing, origin, part.directions)
 
@@ -207,14 +216,11 @@ def _in_patient(part: Labelmap, surface: Surface) -> Surface:
     return Surface(part.in_patient(surface.points), triangles)
 
 
-def _sound(surface: Surface) -> Surface:
-    """A surface in the patient, where a fault has its place; `DeploymentError` for one."""
-    found = check_surface(surface)
-    if found.passed and found.is_watertight:
-        return surface
-    raise DeploymentError(
-        f"segmentation: expected a sound surface, {found.sentence()} Smooth the segment, or fill "
-        "what is thin, in Slicer by Segment Editor."
+def _unsound(wall: Surface) -> DeploymentError:
+    """The refusal of a surface in the patient, where its fault has a place."""
+    return DeploymentError(
+        f"segmentation: expected a sound surface, {check_surface(wall).sentence()} Smooth the "
+        "segment, or fill what is thin, in Slicer by Segment Editor."
     )
 
 

@@ -49,7 +49,8 @@ def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
 def outlets_of(tree: Centerline) -> Indices:
     """Number (n,) of the vessel's ends that a tree's points lead to; limbs where they meet it."""
     ways = [tree.ancestry(end) for end in distal_ends(tree.parent, tree.loops).tolist()]
-    found: Indices = np.bincount(np.concatenate(ways), minlength=len(tree.points))
+    every = np.concatenate([*ways, np.zeros(0, np.int64)])  # a limb may be all there is
+    found: Indices = np.bincount(every, minlength=len(tree.points))
     for leaf, meeting in tree.loops.tolist():
         way = tree.ancestry(leaf)
         found[way[found[way] == 0]] = max(int(found[meeting]), 1)
