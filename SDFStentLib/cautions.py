@@ -17,6 +17,7 @@ _BESIDE = f"lies {{distance_mm:.1f}} mm beside the centerline; its nearest place
 TEMPLATES = {
     "ends-apart": "Ends of parts that hang free: {count}. No line leads there.",
     "limbs-meet": f"Limbs that meet again: {{count}}, one near {_AT}; part vessels that touch.",
+    "open-wall": f"A hole of {{diameter_mm:.1f}} mm, at {_AT}: name it where it is an end.",
     "vessels-touch": (
         f"Two vessels may be one at {_AT}, by an opening {{opening_mm:.1f}} mm wide: lines lead "
         "through it; where they only touch, part them there."

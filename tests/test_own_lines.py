@@ -373,8 +373,13 @@ def tube_with_a_hole():
 
 def test_a_hole_in_the_wall_lets_no_line_out():
     """The largest balls lay outside of it, kilometers wide, and a line of minutes led there."""
-    found = extract_centerline(tube_with_a_hole()[0])
+    surface, middle = tube_with_a_hole()
+    found = extract_centerline(surface)
     assert len(found.lines.lines) == 1
+    (caution,) = found.warnings
+    assert caution.kind == "open-wall"
+    assert np.linalg.norm(caution.place - middle) < 0.5
+    assert caution.numbers["diameter_mm"] == pytest.approx(4.0, abs=0.5)
     assert norm(found.lines.points[:, :2]).max() < 1.0
     assert found.lines.inscribed_radius.max() < 3.5
 
@@ -383,7 +388,9 @@ def test_a_hole_in_the_wall_that_is_named_is_an_end():
     """A valve that leads into a wider chamber passes for a hole; its middle is far from wall."""
     surface, middle = tube_with_a_hole()
     low = np.array([0.0, 0.0, surface.points[:, 2].min()])
-    lines = extract_centerline(surface, low, [middle]).lines
+    found = extract_centerline(surface, low, [middle])
+    assert not found.warnings
+    lines = found.lines
     assert np.linalg.norm(lines.points[lines.lines[0][-1]] - middle) < 0.5
     tree = extract_centerline(surface, inlet=middle).centerline
     assert np.linalg.norm(tree.points[tree.roots[0]] - middle) < 0.5

@@ -129,6 +129,8 @@ def extract_centerline(
         last = drawn.line_to(limb)
         lines += [last, np.append(drawn.line_to(other), last[-1])]
     warnings = _cautions(goals, len(apart), meetings, tree)
+    for one in seeds.holes[:1]:  # the widest
+        warnings.append(Caution("open-wall", {"diameter_mm": 2 * one.radius}, as_place(one.center)))
     return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), tuple(warnings))
 
 
@@ -343,8 +345,5 @@ def _evenly(centers: Points, radii: Floats) -> tuple[Points, Floats, Indices]:
     count = max(3, int(np.ceil(along[-1] / STEP)))
     at = np.linspace(0.0, along[-1], count + 1)
     places = np.column_stack([np.interp(at, along, one) for one in centers.T])
-    return (
-        places,
-        np.interp(at, along, radii),
-        np.rint(along / max(at[1], np.finfo(float).tiny)).astype(np.int64),
-    )
+    nearest = np.rint(along / max(at[1], np.finfo(float).tiny)).astype(np.int64)
+    return places, np.interp(at, along, radii), nearest
