@@ -328,6 +328,17 @@ def test_the_lumen_at_a_cap_that_a_leaning_stent_bulged_is_that_between_the_wall
     assert (after > before + 0.1) == widens
 
 
+def test_a_width_is_checked_at_one_end_where_that_will_do(a_tube, monkeypatch):
+    """A search tree of all points of the wall was made to ask it of every place of the axis."""
+
+    def refusing(*_):
+        raise AssertionError("a search tree was made")
+
+    monkeypatch.setattr("SDFStentLib.treatment.warnings.nearest_distances", refusing)
+    axis = np.array([[0, 0, 10.0], [0, 0, 39.9]])
+    assert len(Treatment(a_tube.surface, [Stent(5.0, placement=AlongAxis(axis))]).stents) == 1
+
+
 def test_a_thin_stent_at_a_cap_is_as_wide_as_the_walls_are_apart(a_tube):
     """Without known radii the nearest wall tells the lumen, and a cap is none."""
     axis = np.array([[0, 0, 39.5], [0, 0, 39.9]])

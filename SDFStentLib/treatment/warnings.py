@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..cautions import Caution
-from ..geometry import Line, Surface, nearest_distances
+from ..geometry import Line, Surface, nearest_distances, norm
 from ..lumen import DiameterProfile, off_caps
 from ..stent import StentAxis
 from ..validation import InputError, Points, plain
@@ -56,7 +56,11 @@ def check_width(
     """
     radii = axis.inscribed_radius[np.isfinite(axis.inscribed_radius)]
     if not len(radii):
-        radii = nearest_distances(axis.points, surface.points if probes is None else probes)
+        wall = surface.points if probes is None else probes
+        # One place that is wide enough will do; most ends of stents lie in healthy vessel.
+        if any(diameter <= 2 * WIDEST * norm(wall - end).min() for end in axis.points[[0, -1]]):
+            return
+        radii = nearest_distances(axis.points, wall)
         if diameter > 2 * WIDEST * radii.max():
             radii = nearest_distances(axis.points, off_caps(surface))
     lumen = 2 * float(radii.max())
