@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..geometry import across, plane_section, product
 from ..validation import Floats, InputError, Points, Triangles, as_points
 from .section_areas import section_areas
-from .tolerances import AT_ONCE, ROUNDING
+from .tolerances import ROUNDING
 
 
 def equivalent_diameters(
@@ -44,12 +44,9 @@ def equivalent_diameters(
     if len(directions) and not directions.any(axis=1).all():
         raise InputError("directions: expected no zero vector; remove repeated axis points.")
     normals = directions / np.linalg.norm(directions, axis=1)[:, None]
-    areas = np.empty(len(centers))
-    for start in range(0, len(centers), AT_ONCE):
-        block = slice(start, start + AT_ONCE)
-        areas[block], doubtful = section_areas(points, triangles, centers[block], normals[block])
-        for number in start + np.flatnonzero(doubtful):
-            areas[number] = _lumen_area(points, triangles, centers[number], directions[number])
+    areas, is_doubtful = section_areas(points, triangles, centers, normals)
+    for number in np.flatnonzero(is_doubtful):
+        areas[number] = _lumen_area(points, triangles, centers[number], directions[number])
     return 2 * np.sqrt(np.where(np.isfinite(areas), areas, np.nan) / np.pi)
 
 

@@ -111,6 +111,8 @@ def section_areas(
         Doubtful where edges of more than two triangles or unlike windings are cut.
     """
     found = SectionAreas(np.full(len(centers), np.inf), np.zeros(len(centers), dtype=bool))
+    if not len(centers):
+        return found
     near = _near(points, triangles, centers)
     for first in range(0, len(centers), AT_ONCE):
         few = slice(first, first + AT_ONCE)
