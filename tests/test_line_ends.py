@@ -170,6 +170,22 @@ def test_the_ends_of_a_vessel_are_as_wide_as_they_were_made():
     assert ends.stations([]) == []
 
 
+def test_stations_are_put_along_a_way_once(monkeypatch):
+    """They were to see whether it begins at the wall, and again to measure it."""
+    known, ways = a_tree(), []
+    lines = [from_wall(known.lines[0], 30.0, 1.0), *known.lines[1:]]
+    tree = Centerline.from_lines(*indexed(lines), wall=known.surface.points)
+
+    def counted(self, way):
+        ways.append(way.tobytes())
+        return put(self, way)
+
+    put = LineEnds.line
+    monkeypatch.setattr(LineEnds, "line", counted)
+    with_ends_in_middle(known.surface, tree)
+    assert len(ways) == len(set(ways)) >= len(lines)
+
+
 def leaving(line, first, last, aside=20.0):
     """A line that is beside the vessel from one of its points to another."""
     moved = line.copy()

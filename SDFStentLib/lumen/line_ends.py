@@ -7,6 +7,7 @@ the vessel only farther on. Measured along itself it shows narrowings that are n
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +78,7 @@ class LineEnds:
         Those that cannot be the widest are not measured: corners of the wall are no nearer to a
         place than the wall is.
         """
-        lines = [self._line(way) for way in ways]
+        lines = [self.line(way) for way in ways]
         bounds = np.array([2 * float(self._away(line.points).max()) for line in lines])
         found = np.full(len(lines), np.nan)
         order = np.argsort(-bounds, kind="stable")
@@ -85,21 +86,17 @@ class LineEnds:
             some = order[first : first + AT_ONCE]
             if WIDER * bounds[some[0]] < np.nanmax([0.0, *found]):
                 break
-            measured = self._measured([lines[number] for number in some.tolist()])
+            measured = self.stations([lines[number] for number in some.tolist()])
             found[some] = [one.width for one in measured]
         return found
 
-    def stations(self, ways: Sequence[Points]) -> list[EndStations]:
-        """The stations along some ways, each (k, 3) from its end inward."""
-        return self._measured([self._line(way) for way in ways]) if len(ways) else []
-
-    def may_begin_at_wall(self, way: Points) -> bool:
-        """Whether corners of the wall, of no cap across the line, lie beside where it begins."""
-        line = self._line(way)
+    def may_begin_at_wall(self, line: Line) -> bool:
+        """Whether corners of the wall, of no cap across a `line`, lie beside where it begins."""
+        begin = line.points[0]
         radius = float(self._away(line.points).max())
-        near = self._corners.query_ball_point(way[0], CENTERED * radius)
-        near.append(int(self._corners.query(way[0])[1]))
-        inward = line.at([min(2 * radius, line.length)])[0] - way[0]
+        near = self._corners.query_ball_point(begin, CENTERED * radius)
+        near.append(int(self._corners.query(begin)[1]))
+        inward = line.at([min(2 * radius, line.length)])[0] - begin
         along = self._surface.vertex_normals[near] @ inward / np.linalg.norm(inward)
         return bool((np.abs(along) < RIM).any())
 
@@ -108,12 +105,18 @@ class LineEnds:
         points, triangles = self._surface.points, self._surface.triangles
         is_near = np.zeros(len(points), dtype=bool)
         is_near[self._corners.query_ball_point(place, FARTHEST * radius)] = True
-        near, is_cap = faces_at(is_near, triangles), in_caps(self._surface)
-        parts = triangles[near & ~is_cap], triangles[near & is_cap]
+        near = np.flatnonzero(faces_at(is_near, triangles))
+        is_cap = self._is_cap.take(near)
+        parts = (triangles.take(near.compress(own), axis=0) for own in (~is_cap, is_cap))
         return tuple(SurfaceIndex(points, part) if len(part) else None for part in parts)
 
-    def _line(self, way: Points) -> Line:
-        """Stations along a way, but within the sphere of the junction to which it leads."""
+    @cached_property
+    def _is_cap(self) -> Flags:
+        return in_caps(self._surface)
+
+    def line(self, way: Points) -> Line:
+        """Stations along a way (k, 3) from its end inward, but within the sphere of the junction to
+        which it leads."""
         line = Line(way)
         spacing = min(station_spacing(self._away(way)), line.length)
         at = spacing * np.arange(1 + min(_STATIONS, int(line.length / spacing * (1 + ROUNDING))))
@@ -122,7 +125,10 @@ class LineEnds:
         count = len(at) if own.all() else int(np.argmin(own))
         return Line(places[: count if count > 1 else len(at)])
 
-    def _measured(self, lines: Sequence[Line]) -> list[EndStations]:
+    def stations(self, lines: Sequence[Line]) -> list[EndStations]:
+        """The stations of some `line`, measured."""
+        if not len(lines):
+            return []
         places = np.concatenate([line.points for line in lines])
         directions = np.concatenate([line.directions for line in lines])
         wall = LocalSurface.of(self._surface, places)
@@ -155,10 +161,11 @@ def with_ends_in_middle(
     ways += [branch for branch in tree.branches if tree.parent[branch[0]] < 0]
     known = LineEnds(surface)
     ways = [way for way in ways if np.ptp(tree.arc_length[way]) > 0]
-    ways = [way for way in ways if known.may_begin_at_wall(tree.points[way])]
-    measured = known.stations([tree.points[way] for way in ways])
+    begun = [(way, known.line(tree.points[way])) for way in ways]
+    begun = [(way, line) for way, line in begun if known.may_begin_at_wall(line)]
+    measured = known.stations([line for _, line in begun])
     points, radius, moved = tree.points.copy(), tree.inscribed_radius.copy(), []
-    for way, stations in zip(ways, measured, strict=True):
+    for (way, _), stations in zip(begun, measured, strict=True):
         if not stations.is_known.any():
             continue
         begin = tree.points[way[0]]
