@@ -265,13 +265,30 @@ def showPlace(point, size):
         width, height, thickness = node.GetFieldOfView()
         node.SetFieldOfView(size * width / height, size, thickness)
     for camera in slicer.util.getNodesByClass("vtkMRMLCameraNode"):
-        back = np.subtract(camera.GetPosition(), camera.GetFocalPoint())
-        distance = size / 2 / math.tan(math.radians(camera.GetViewAngle()) / 2)
-        with slicer.util.NodeModify(camera):
-            camera.SetPosition(*(point + distance * back / np.linalg.norm(back)))
-            camera.SetFocalPoint(*point)
-            camera.SetParallelScale(size / 2)
-        camera.ResetClippingRange()
+        _look(camera, point, size)
+
+
+def bringIntoView(polyData):
+    """Let those 3D views look at a surface that have its middle out of view."""
+    low, high = np.reshape(polyData.GetBounds(), (3, 2)).T
+    middle = (low + high) / 2
+    for camera in slicer.util.getNodesByClass("vtkMRMLCameraNode"):
+        ahead = np.subtract(camera.GetFocalPoint(), camera.GetPosition())
+        toward = middle - camera.GetPosition()
+        along = ahead @ toward / np.linalg.norm(ahead)
+        aside = math.sqrt(max(toward @ toward - along**2, 0.0))
+        if aside >= along * math.tan(math.radians(camera.GetViewAngle()) / 2):
+            _look(camera, middle, float(np.linalg.norm(high - low)))
+
+
+def _look(camera, point, size):
+    back = np.subtract(camera.GetPosition(), camera.GetFocalPoint())
+    distance = size / 2 / math.tan(math.radians(camera.GetViewAngle()) / 2)
+    with slicer.util.NodeModify(camera):
+        camera.SetPosition(*(point + distance * back / np.linalg.norm(back)))
+        camera.SetFocalPoint(*point)
+        camera.SetParallelScale(size / 2)
+    camera.ResetClippingRange()
 
 
 def sizeRound(length):

@@ -143,6 +143,10 @@ class SDFStentLogic(
         """Centerline in portions: a generator that yields the share that is done and returns the one that was chosen before."""
         return (yield from MadeCenterline.portions(parameterNode, self._inputs))
 
+    def vesselInPortions(self, parameterNode):
+        """Wall of the vessel: a generator that yields None and returns its `VesselInput`."""
+        return self._inputs.vesselInPortions(parameterNode)
+
     def lesionSearch(self, parameterNode):
         """The search for the lesions of the vessel; None before vessel and centerline are chosen.
 

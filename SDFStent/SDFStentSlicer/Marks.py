@@ -53,6 +53,19 @@ def createOutline(name, polyData):
     return node
 
 
+def createWall(name, polyData, color):
+    """Model node in the 3D views only, that can be seen through; the polydata stays the caller's, and is not changed."""
+    node = newNode("vtkMRMLModelNode", name)
+    node.SetAndObservePolyData(polyData)
+    slicer.mrmlScene.AddNode(node)
+    display = _newDisplay(node)
+    display.SetVisibility2D(False)
+    display.SetScalarVisibility(False)
+    display.SetColor(*color)
+    Showing.seeThrough(display)
+    return node
+
+
 def showTube(node, axis, radius):
     """The tube along an axis, in place."""
     Display.showTubes(node, [(axis, radius)])

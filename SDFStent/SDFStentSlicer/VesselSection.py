@@ -4,6 +4,7 @@ import slicer
 
 from . import Conversion, Outputs
 from .PanelParts import RunButton, stopWords
+from .SegmentWall import SegmentWall
 
 
 class VesselSection:
@@ -15,12 +16,14 @@ class VesselSection:
     def __init__(self, ui, logic, attempt):
         self.ui, self._parameterNode = ui, None
         self.making = CenterlineButton(ui.extractButton, logic, attempt)
+        self._wall = SegmentWall(logic.vesselInPortions)
         ui.segmentSelector.connect("currentSegmentChanged(QString)", self._onSegment)
 
     def show(self, parameterNode):
         """Show a parameter node, or None."""
         self._parameterNode = parameterNode
         self.making.show(parameterNode)
+        self._wall.show(parameterNode)
         if parameterNode is not None:
             self._showSegments(parameterNode)
             self._offer(parameterNode)
