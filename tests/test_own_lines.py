@@ -29,6 +29,7 @@ from SDFStentLib.geometry import (
     Line,
     Surface,
     SurfaceIndex,
+    boundary_edges,
     distances_to_segments,
     median_edge,
     norm,
@@ -382,6 +383,28 @@ def test_a_hole_in_the_wall_lets_no_line_out():
     assert caution.numbers["diameter_mm"] == pytest.approx(4.0, abs=0.5)
     assert norm(found.lines.points[:, :2]).max() < 1.0
     assert found.lines.inscribed_radius.max() < 3.5
+
+
+@pytest.mark.parametrize("flaps", [[(-3.0, 0.2), (0.5, 0.2)], [(-3.0, 0.3), (-1, 0.3), (1, 0.3)]])
+def test_an_opening_that_is_partly_closed_is_an_end(flaps):
+    """Where the image cuts a vessel a surface of its voxels may have pieces of a cap, here sectors
+    from the rim almost to the middle: that opening passed for a hole as narrow as between them."""
+    tube = straight_tube(radius=3.0, length=30.0)
+    heights = tube.points[:, 2]
+    wall = tube.triangles[np.ptp(heights[tube.triangles], axis=1) > 0]
+    rim = boundary_edges(wall)
+    rim = rim[heights[rim[:, 0]] == heights.max()]
+    turn = np.arctan2(*tube.points[rim[:, 0], :2].T)
+    points, triangles = [tube.points], [wall]
+    for number, (first, share) in enumerate(flaps, start=len(tube.points)):
+        part = rim[(turn >= first) & (turn < first + 2 * np.pi * share)]
+        middle = first + np.pi * share
+        points.append(np.array([[np.sin(middle) / 2, np.cos(middle) / 2, heights.max()]]))
+        triangles.append(np.column_stack([part[:, ::-1], np.full(len(part), number)]))
+    found = extract_centerline(Surface(np.vstack(points), np.vstack(triangles)))
+    assert not found.warnings
+    assert len(found.lines.lines) == 1
+    assert np.ptp(found.lines.points[:, 2]) == pytest.approx(np.ptp(heights))
 
 
 def test_a_hole_in_the_wall_that_is_named_is_an_end():

@@ -37,7 +37,7 @@ class Spot(NamedTuple):
     across: Floats
     """(3,) unit vector across it, to any side."""
     narrow: float
-    """Distance from the center to the nearest place of its border, mm,"""
+    """Distance from the center to the nearest place of its border, or side of its outline, mm,"""
     wide: float
     """and to the farthest place."""
     faces: Indices
@@ -45,10 +45,13 @@ class Spot(NamedTuple):
 
 
 def spot(points: Points, rim: Indices, across: Floats, faces: Indices, center: Floats) -> Spot:
-    """The spot with a given border, edges (k, 2) of a surface."""
+    """The spot with a given border, edges (k, 2) of a surface; an open one has no `faces`."""
     start, stop = points[rim[:, 0]], points[rim[:, 1]]
-    places = closest_on_segments(start, stop, center[None])
-    narrow = float(places.distances[0])
+    if len(faces):
+        narrow = float(closest_on_segments(start, stop, center[None]).distances[0])
+    else:
+        # As from outside: a notch in a ragged rim does not make the opening narrower.
+        narrow = float(((start - center) @ _round(across).T).max(axis=0).min())
     return Spot(center, across, narrow, float(norm(start - center).max()), faces)
 
 
