@@ -20,6 +20,9 @@ from ..validation import Indices, Points, Triangles
 _BLOCK = 1 << 18
 """Pairs or column entries in work at once; the largest temporaries are some 20 MB."""
 
+_WIDTH = 4.0
+"""Width of a column in mean boxes: of 1.5 to 9 the quickest on ten surfaces of vessels."""
+
 _LAST = 65535
 """Highest step. Steps 0 and `_LAST` stand for all that lies outside the region that counts."""
 
@@ -126,9 +129,9 @@ def _steps(
 
 
 def _column_size(boxes: Boxes) -> int:
-    """Width of a column in steps: 1.5 mean boxes, doubled while large faces fill too many."""
+    """Width of a column in steps: `_WIDTH`, doubled while large faces fill too many."""
     extents = boxes.high[1:].astype(np.int64) - boxes.low[1:]
-    size = max(16, int(1.5 * extents.mean()))
+    size = max(16, int(_WIDTH * extents.mean()))
     # Ends: the size doubles from 16 at least.
     while size < _LAST:
         entries = np.prod(boxes.high[1:] // size - boxes.low[1:] // size + np.int64(1), axis=0)
