@@ -5,7 +5,7 @@ import pytest
 from lesion_cases import bifurcation_case
 from round_tubes import chain, circle, contoured, random_tree
 from scipy.spatial import Delaunay, cKDTree
-from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkTriangleFilter
+from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkQuadricDecimation, vtkTriangleFilter
 from vtkmodules.vtkFiltersModeling import vtkLinearExtrusionFilter
 from vtkmodules.vtkFiltersSources import vtkPlaneSource
 
@@ -24,7 +24,12 @@ from benchmarks.phantoms import (
 from SDFStentLib import extract_centerline
 from SDFStentLib.centerline import InnerBalls, WidestWays, inner_balls
 from SDFStentLib.cli import main
-from SDFStentLib.files import read_centerline, read_surface, surface_from_polydata
+from SDFStentLib.files import (
+    polydata_from_arrays,
+    read_centerline,
+    read_surface,
+    surface_from_polydata,
+)
 from SDFStentLib.geometry import (
     Line,
     Surface,
@@ -482,6 +487,27 @@ def test_caps_that_are_no_longer_flat_are_ends_in_the_middle_of_the_vessel(seed,
     axis = cKDTree(Line(known.points[known.ancestry(int(known.leaves[0]))]).resampled(0.1).points)
     root = int(found.roots[0])
     assert axis.query(found.points[root])[0] < 0.2 * found.inscribed_radius[root]
+
+
+@pytest.mark.parametrize("share", [0.8, 0.9])
+def test_walls_with_sides_longer_than_the_lumen_is_wide_have_their_ends(share):
+    """Decimated straight tubes: balls between points far apart bulged out of the wall, the lumen
+    fell to pieces, and the inlet was a branch or a place in the wall of the trunk."""
+    pieces = chain([(0, 0, 0), (0, 0, 40)], 4)
+    tips = [(20, 0, 70), (-20, 0, 70)]
+    for tip, radius in zip(tips, (3, 2.5), strict=True):
+        pieces += chain([(0, 0, 40), tip], radius)
+    whole = contoured(pieces, 1.0)
+    coarse = vtkQuadricDecimation()
+    coarse.SetInputData(polydata_from_arrays(whole.points, whole.triangles))
+    coarse.SetTargetReduction(share)
+    coarse.Update()
+    tree = extract_centerline(surface_from_polydata(coarse.GetOutput())).centerline
+    found = tree.points[[*tree.roots, *tree.leaves]]
+    assert len(found) == 3
+    assert norm(found[:1] - [0, 0, 0])[0] < 4
+    for tip in tips:
+        assert norm(found - tip).min() < 3
 
 
 def test_the_command_needs_no_other_package(tmp_path, capsys, monkeypatch):

@@ -13,9 +13,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, dot, in_blocks, median_edge, norm, signed_volume, vertex_normals
+from ..geometry import (
+    Surface,
+    dot,
+    edges,
+    in_blocks,
+    median_edge,
+    norm,
+    signed_volume,
+    vertex_normals,
+)
 from ..threads import side_by_side, threads
-from ..validation import Floats, Indices, Points, Triangles
+from ..validation import Flags, Floats, Indices, Points, Triangles
 
 SHAKEN = 1e-3
 """Share of the median edge by which every point is moved: many points of a wall as regular as that
@@ -77,11 +86,48 @@ class _Inner(NamedTuple):
 def inner_balls(surface: Surface) -> InnerBalls:
     """The empty balls inside of a surface.
 
+    Between the ends of a side that is longer than the lumen is wide, balls would bulge out of the
+    wall: such sides are halved, as long as there are less than `MANY` points or twice as many.
+
     Parameters
     ----------
     surface : Surface
         Closed, mm; several closed parts are several sets of balls without links between them.
     """
+    count, found = len(surface.points), _balls_inside(surface)
+    # Ends: sides become half as long, and points more.
+    while len(surface.points) < max(2 * count, MANY):
+        sides = edges(surface.triangles)
+        one, other = sides.vertices.T
+        lengths = norm(surface.points[one] - surface.points[other])
+        widths = 2 * np.maximum(found.at_wall[one], found.at_wall[other])
+        is_long = (lengths > widths) & (widths > 0)
+        if not is_long.any():
+            break
+        surface = _halved(surface, is_long)
+        found = _balls_inside(surface)
+    return found._replace(at_wall=found.at_wall[:count])
+
+
+def _halved(surface: Surface, is_long: Flags) -> Surface:
+    """The surface with a point in the middle of some sides, behind the others."""
+    points, sides = surface.points, edges(surface.triangles)
+    middles = points[sides.vertices[is_long]].mean(axis=1)
+    number = np.full(len(is_long), -1)
+    number[is_long] = len(points) + np.arange(len(middles))
+    corners, halves = surface.triangles, number[sides.face_edges]
+    for _ in range(3):  # the first side of all triangles, then the second, then the third
+        is_halved = halves[:, 0] >= 0
+        (a, b, c), (half, second, third) = corners[is_halved].T, halves[is_halved].T
+        done = np.full(len(a), -1)
+        parts = np.column_stack([a, half, c]), np.column_stack([half, b, c])
+        left = np.column_stack([done, done, third]), np.column_stack([done, second, done])
+        corners = np.roll(np.vstack([corners[~is_halved], *parts]), -1, axis=1)
+        halves = np.roll(np.vstack([halves[~is_halved], *left]), -1, axis=1)
+    return Surface(np.vstack([points, middles]), corners)
+
+
+def _balls_inside(surface: Surface) -> InnerBalls:
     triangles = surface.wound_triangles
     outward = vertex_normals(surface.points, triangles)
     outward *= np.sign(signed_volume(surface.points, triangles))
