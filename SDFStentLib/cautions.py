@@ -15,7 +15,7 @@ _AT = "({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}"
 _BESIDE = f"lies {{distance_mm:.1f}} mm beside the centerline; its nearest place, {_AT}, was taken."
 
 TEMPLATES = {
-    "ends-apart": "Ends of parts that hang free: {count}. No line leads there.",
+    "ends-apart": f"Parts that hang free: {{count}}, one at {_AT}. No line leads there.",
     "limbs-meet": f"Limbs that meet again: {{count}}, one near {_AT}; part vessels that touch.",
     "open-wall": f"A hole of {{diameter_mm:.1f}} mm, at {_AT}: name it where it is an end.",
     "vessels-touch": (

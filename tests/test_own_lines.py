@@ -239,6 +239,17 @@ def test_a_part_that_hangs_free_is_left_out_and_an_end_of_it_that_is_named_refus
         extract_centerline(both, near, [far])
 
 
+def test_a_part_with_round_ends_that_hangs_free_is_told_with_its_place():
+    """Only parts with flat ends were: of two vessels in one model one had no line in silence."""
+    one, other = chain([(0, 0, 0), (0, 0, 30)], 3), chain([(30, 0, 5), (30, 0, 25)], 2)
+    found = extract_centerline(contoured(one + other, 0.6))
+    assert len(found.lines.lines) == 1
+    (caution,) = found.warnings
+    assert (caution.kind, caution.numbers["count"]) == ("ends-apart", 1)
+    assert abs(caution.place[0] - 30) < 1
+    assert not extract_centerline(contoured(one, 0.6)).warnings
+
+
 def test_a_rounded_end_is_found_or_named_and_a_lumen_without_any_is_refused():
     tube = straight_tube(radius=3.0, length=30.0)
     squeezed = tube.points.copy()

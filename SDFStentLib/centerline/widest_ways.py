@@ -84,6 +84,25 @@ class WidestWays:
         """Mask (n,) of the balls to which a way leads."""
         return np.isfinite(self._cheapest[0])
 
+    def parts_apart(self, ends: Sequence[int]) -> list[int]:
+        """The widest ball of each part of the lumen to which no way leads, the widest first.
+
+        A part has one of some `ends`, or is longer than it is wide, as a round end is: by less,
+        balls beside a wall stand alone.
+        """
+        centers, radii, links, _ = self.balls
+        lone = np.flatnonzero(~self.is_reached)
+        own = np.searchsorted(lone, links[~self.is_reached[links[:, 0]]])
+        label = component_labels(len(lone), own[:, 0], own[:, 1])
+        order = np.lexsort((-radii[lone], label))
+        begins = np.flatnonzero(np.diff(label[order], prepend=-1))
+        lone = lone[order]
+        extent = [reduce.reduceat(centers[lone], begins) for reduce in (np.maximum, np.minimum)]
+        is_long = norm(np.subtract(*extent)) > 2 * radii[lone[begins]]
+        is_long |= np.add.reduceat(np.isin(lone, ends), begins) > 0
+        found = lone[begins[is_long]]
+        return found[np.argsort(-radii[found], kind="stable")].tolist()
+
     def tree(self, ends: Sequence[int]) -> list[Indices]:
         """Ways to some balls as a tree: where they part, the widest goes on and others begin.
 

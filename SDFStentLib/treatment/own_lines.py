@@ -128,19 +128,20 @@ def extract_centerline(
     for limb, other in meetings.tolist():
         last = drawn.line_to(limb)
         lines += [last, np.append(drawn.line_to(other), last[-1])]
-    warnings = _cautions(goals, len(apart), meetings, tree)
+    warnings = _cautions(goals, ways.parts_apart(apart), meetings, tree)
     for one in seeds.holes[:1]:  # the widest
         warnings.append(Caution("open-wall", {"diameter_mm": 2 * one.radius}, as_place(one.center)))
     return Extraction(ExtractedLines(drawn.points, tuple(lines), drawn.radii), tuple(warnings))
 
 
-def _cautions(goals: _Goals, apart: int, meetings: Indices, tree: list[Indices]) -> list[Caution]:
-    """Cautions by the number of ends apart, the balls at which limbs meet, and the ways drawn."""
+def _cautions(goals: _Goals, apart: list[int], met: Indices, tree: list[Indices]) -> list[Caution]:
+    """Cautions by balls of parts apart, those at which limbs meet, and the ways drawn."""
     centers, radii, *_ = goals.ways.balls
-    found = [Caution("ends-apart", {"count": apart})] if apart else []
-    if len(meetings):
-        place = as_place(centers[meetings[0, 0]])
-        found.append(Caution("limbs-meet", {"count": len(meetings)}, place))
+    numbers: dict[str, float | str] = {"count": len(apart)}
+    found = [Caution("ends-apart", numbers, as_place(centers[one])) for one in apart[:1]]
+    if len(met):
+        place = as_place(centers[met[0, 0]])
+        found.append(Caution("limbs-meet", {"count": len(met)}, place))
     for one in touching_vessels(goals.ways, tree):
         found.append(Caution("vessels-touch", {"opening_mm": one.diameter}, as_place(one.place)))
     widest = int(np.where(goals.ways.is_reached, radii, 0.0).argmax())
