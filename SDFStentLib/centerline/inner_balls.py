@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import (
+    Edges,
     Surface,
     dot,
     edges,
@@ -104,14 +105,14 @@ def inner_balls(surface: Surface) -> InnerBalls:
         is_long = (lengths > widths) & (widths > 0)
         if not is_long.any():
             break
-        surface = _halved(surface, is_long)
+        surface = _halved(surface, sides, is_long)
         found = _balls_inside(surface)
     return found._replace(at_wall=found.at_wall[:count])
 
 
-def _halved(surface: Surface, is_long: Flags) -> Surface:
-    """The surface with a point in the middle of some sides, behind the others."""
-    points, sides = surface.points, edges(surface.triangles)
+def _halved(surface: Surface, sides: Edges, is_long: Flags) -> Surface:
+    """The surface with a point in the middle of some of its sides, behind the others."""
+    points = surface.points
     middles = points[sides.vertices[is_long]].mean(axis=1)
     number = np.full(len(is_long), -1)
     number[is_long] = len(points) + np.arange(len(middles))

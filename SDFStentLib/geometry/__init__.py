@@ -60,6 +60,7 @@ from .smoothing import smooth_minimum as smooth_minimum
 from .surface import Surface as Surface
 from .surface import as_surface as as_surface
 from .surface import state_of as state_of
+from .topology import Edges as Edges
 from .topology import Topology as Topology
 from .topology import VertexNeighbors as VertexNeighbors
 from .topology import boundary_edges as boundary_edges

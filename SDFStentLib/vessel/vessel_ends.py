@@ -10,7 +10,7 @@ import numpy as np
 from ..centerline import Centerline
 from ..geometry import Surface, boundary_edges, compacted, component_labels, norm, places_in_plane
 from ..lumen import are_ends, caps_of, spot
-from ..validation import Indices, InputError, Points, as_points
+from ..validation import Indices, InputError, Points, as_point
 
 BESIDE = 10.0
 """A place that names an end is so near to it or to the wall, mm: a click beside it, no other
@@ -180,8 +180,8 @@ def known_ends(
         An end is named that is not there or was named before.
     """
     ends, holes = _ends_and_holes(surface)
-    first = None if inlet is None else _place(inlet, "inlet")
-    others = [_place(outlet, f"outlet {number}") for number, outlet in enumerate(outlets, 1)]
+    first = None if inlet is None else as_point(inlet, "inlet")
+    others = [as_point(outlet, f"outlet {number}") for number, outlet in enumerate(outlets, 1)]
     places = np.array([*([] if first is None else [first]), *others]).reshape(-1, 3)
     is_named = [bool((norm(places - hole.center) < hole.radius).any()) for hole in holes]
     ends += [hole for hole, is_own in zip(holes, is_named, strict=True) if is_own]
@@ -199,11 +199,6 @@ def known_ends(
     radius_of = dict(zip(centers, (end.radius for end in ends), strict=True))
     known = [radius_of.get(one, 0.0) for one in (start, *targets) if one is not None]
     return KnownEnds(closed, start, tuple(targets), len(ends), radius, tuple(known), tuple(holes))
-
-
-def _place(place: Points, name: str) -> Points:
-    (found,) = as_points([place], name)
-    return np.asarray(found)
 
 
 def _named(closed: Surface, ends: list[VesselEnd], place: Points, name: str) -> int:
