@@ -43,27 +43,28 @@ def createTube(name):
 
 def createOutline(name, polyData):
     """Model node in the slice views only; the polydata stays the caller's, and is not changed."""
-    node = newNode("vtkMRMLModelNode", name)
-    node.SetAndObservePolyData(polyData)
-    slicer.mrmlScene.AddNode(node)
-    display = _newDisplay(node)
+    node, display = _createSurface(name, polyData, Showing.VESSEL_COLOR)
     display.SetVisibility3D(False)
     display.SetVisibility2D(True)
-    display.SetColor(*Showing.VESSEL_COLOR)
     return node
 
 
 def createWall(name, polyData, color):
     """Model node in the 3D views only, that can be seen through; the polydata stays the caller's, and is not changed."""
+    node, display = _createSurface(name, polyData, color)
+    display.SetVisibility2D(False)
+    display.SetScalarVisibility(False)
+    Showing.seeThrough(display)
+    return node
+
+
+def _createSurface(name, polyData, color):
     node = newNode("vtkMRMLModelNode", name)
     node.SetAndObservePolyData(polyData)
     slicer.mrmlScene.AddNode(node)
     display = _newDisplay(node)
-    display.SetVisibility2D(False)
-    display.SetScalarVisibility(False)
     display.SetColor(*color)
-    Showing.seeThrough(display)
-    return node
+    return node, display
 
 
 def showTube(node, axis, radius):
