@@ -5,21 +5,19 @@ import pytest
 from lesion_cases import bifurcation_case
 from round_tubes import chain, circle, contoured, random_tree
 from scipy.spatial import Delaunay, cKDTree
+from trees import in_each_tree
 from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkQuadricDecimation, vtkTriangleFilter
 from vtkmodules.vtkFiltersModeling import vtkLinearExtrusionFilter
 from vtkmodules.vtkFiltersSources import vtkPlaneSource
 
 from benchmarks.common import subdivided
 from benchmarks.phantoms import (
-    arch_with_coarctation,
     branching_pulmonary_artery,
-    cavopulmonary_connection,
     hairpin_tube,
     helix_tube,
     stenosed_tube,
     straight_tube,
     tube_with_neighbor,
-    vascular_tree,
 )
 from SDFStentLib import extract_centerline
 from SDFStentLib.centerline import InnerBalls, WidestWays, inner_balls
@@ -76,16 +74,7 @@ def test_lines_of_tubes_lie_on_their_axes(phantom):
     assert away.max() < 0.01
 
 
-@pytest.mark.parametrize(
-    "phantom",
-    [
-        arch_with_coarctation(),
-        branching_pulmonary_artery(),
-        cavopulmonary_connection(),
-        vascular_tree(16),
-    ],
-    ids=lambda phantom: phantom.name,
-)
+@in_each_tree
 def test_every_end_of_a_tree_has_its_line(phantom):
     found = extract_centerline(phantom.surface)
     tree = found.centerline

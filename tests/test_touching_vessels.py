@@ -7,13 +7,8 @@ import pytest
 from round_tubes import chain, contoured
 from segmentations import voxels
 from test_scan import labelmap
+from trees import in_each_tree
 
-from benchmarks.phantoms import (
-    arch_with_coarctation,
-    branching_pulmonary_artery,
-    cavopulmonary_connection,
-    vascular_tree,
-)
 from SDFStentLib import extract_centerline
 from SDFStentLib.files import read_surface
 from SDFStentLib.scan import prepared_vessel
@@ -95,16 +90,7 @@ def test_a_tube_of_its_own_between_two_vessels_is_no_opening():
     assert touching(extract_centerline(contoured([*UPRIGHT, *other, *between], 0.6))) == []
 
 
-@pytest.mark.parametrize(
-    "phantom",
-    [
-        arch_with_coarctation(),
-        branching_pulmonary_artery(),
-        cavopulmonary_connection(),
-        vascular_tree(16),
-    ],
-    ids=lambda phantom: phantom.name,
-)
+@in_each_tree
 def test_vessels_of_phantoms_do_not_touch(phantom):
     assert touching(extract_centerline(phantom.surface)) == []
 

@@ -1,10 +1,29 @@
-"""Centerlines that the tests make by hand."""
+"""Centerlines that the tests make by hand, and phantoms with branches."""
 
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from benchmarks.phantoms import (
+    arch_with_coarctation,
+    branching_pulmonary_artery,
+    cavopulmonary_connection,
+    vascular_tree,
+)
 from SDFStentLib.centerline import Centerline
+
+in_each_tree = pytest.mark.parametrize(
+    "phantom",
+    [
+        arch_with_coarctation(),
+        branching_pulmonary_artery(),
+        cavopulmonary_connection(),
+        vascular_tree(16),
+    ],
+    ids=lambda phantom: phantom.name,
+)
+"""Runs a test with each phantom that has branches."""
 
 
 def unbranched(points, inscribed_radius=None) -> Centerline:
