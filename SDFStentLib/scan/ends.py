@@ -176,9 +176,10 @@ def _bounding(
 ) -> tuple[list[int], OpenSegment | None]:
     """Numbers of the planes that bound a segment together, and that.
 
-    A plane that parts nothing, as where a tunnel in the wall leads round it, makes place for the
-    next one of its way. The others become None: those beyond another one, which lies close to a
-    junction and has cut off their vessel, too; of two that meet that of the shorter end.
+    Where less than two are left, a plane that parts nothing, as where a tunnel in the wall leads
+    round it, makes place for the next one of its way. The others become None: those beyond another
+    one, which lies close to a junction and has cut off their vessel, too; of two that meet that of
+    the shorter end.
     """
     lengths = [end.line.length / end.radius for end in ends]
     order = sorted(range(len(found)), key=lambda n: -lengths[n])
@@ -189,8 +190,10 @@ def _bounding(
         made = bounded(parts, planes)
         if not made.apart:
             return own, made.segment
+        # In a tree with many ends that is not worth its time.
+        is_needed = len(own) - len(made.apart) < 2
         for number in made.apart:
-            parts_nothing = bool(bounded(parts, [planes[number]]).apart)
+            parts_nothing = is_needed and bool(bounded(parts, [planes[number]]).apart)
             found[own[number]] = _next(ways[own[number]]) if parts_nothing else None
 
 
